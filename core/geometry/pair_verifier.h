@@ -1,0 +1,29 @@
+// Does a pair of images see the same thing? The verifier that every flow uses: mapping, localization, merging.
+#pragma once
+
+#include <string>
+
+#include "core/types.h"
+
+namespace mapweld {
+
+struct VerifierOptions {
+  int min_inliers = 12;                 // accept only with at least so many consistent matches
+  double max_false_alarms = 1e-6;       // and only when chance would give them at most so often (a-contrario)
+};
+
+// A pure function of two images. Implementations are immutable and thread-safe.
+//
+// Symmetric: verify(a, b) and verify(b, a) give the same verdict, with geometry transposed and matches swapped, because
+// the pair is brought into a canonical order by content first and every random draw is seeded from content. Thus a
+// verdict does not depend on ids, on which map an image is in, or on what was verified before.
+class PairVerifier {
+ public:
+  virtual ~PairVerifier() = default;
+  virtual Verification verify(const AppearanceVector& a, const AppearanceVector& b) const = 0;
+  // Stored with every edge, so that verdicts of different verifiers are never mixed up, for example "epipolar-1".
+  virtual std::string version() const = 0;
+  virtual const VerifierOptions& options() const = 0;
+};
+
+}  // namespace mapweld

@@ -1,0 +1,67 @@
+// Localization (paper, section III-A): the vertices of a map most similar to a query image, with doubt admitted.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "core/geometry/pair_verifier.h"
+#include "core/retrieval/inverted_index.h"
+#include "core/types.h"
+
+namespace mapweld {
+
+// The parameters of a map (http-api.md, "parameters"); defaults measured, see docs/verification.md.
+struct MapParameters {
+  int max_features = 500;
+  std::uint32_t min_votes = 12;
+  int min_inliers = 12;
+  int max_inliers = 150;           // a new image with more inliers to some vertex is ignored as too similar
+  int verify_top = 20;             // so many best candidates are verified when localizing and mapping
+  VoteRule votes = VoteRule::kMin;
+  friend bool operator==(const MapParameters&, const MapParameters&) = default;
+};
+
+// What localization needs to read of a map.
+class MapView {
+ public:
+  virtual ~MapView() = default;
+  virtual const PostingSource& postings() const = 0;
+  // The appearance vector of a vertex. Thread-safe. Throws on I/O errors of a store behind it.
+  virtual std::shared_ptr<const AppearanceVector> appearances(VertexId v) const = 0;
+  // Hop distance between two vertices when it is at most `at_most`, else nullopt.
+  virtual std::optional<int> hops(VertexId u, VertexId v, int at_most) const = 0;
+};
+
+struct LocalizationMatch {
+  VertexId vertex{};
+  std::uint32_t votes = 0;
+  bool verified = false;           // accepted by the verifier
+  Verification verification;       // empty for candidates beyond verify_top
+};
+
+enum class LocalizationStatus : std::uint8_t { kLocalized, kAmbiguous, kNotFound };
+std::string_view to_string(LocalizationStatus status);
+
+struct Localization {
+  LocalizationStatus status = LocalizationStatus::kNotFound;
+  Reason reason = Reason::kNone;   // why not, when not localized
+  struct Funnel {
+    int features = 0;
+    std::uint32_t known_words = 0;
+    int candidates = 0;
+    int verified = 0;              // candidates that were put to the verifier
+    int best_inliers = 0;
+    int needed_inliers = 0;
+  } funnel;
+  // Verified matches by inliers (ties: votes, vertex), then the others by votes (ties: vertex).
+  std::vector<LocalizationMatch> matches;
+};
+
+// Localizes `query`; changes nothing. Deterministic; thread-safe when the view is.
+Localization localize(const AppearanceVector& query, const MapView& map, const PairVerifier& verifier,
+                      const MapParameters& parameters);
+
+}  // namespace mapweld

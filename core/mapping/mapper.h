@@ -1,0 +1,24 @@
+// Mapping (paper, section III-B): a new image becomes a vertex with an edge to every verified similar image, or is
+// ignored because the map has seen enough of it.
+#pragma once
+
+#include <vector>
+
+#include "core/mapping/localizer.h"
+
+namespace mapweld {
+
+struct MappingDecision {
+  enum class Outcome : std::uint8_t { kInserted, kIgnored } outcome = Outcome::kInserted;
+  VertexId similar_to{};                  // kIgnored: the vertex that it resembles too much
+  int inliers = 0;                        // kIgnored: to that vertex
+  Reason reason = Reason::kNone;          // kInserted without an edge: why
+  std::vector<LocalizationMatch> edges;   // kInserted: the verified matches, by inliers
+};
+
+// Decides what becomes of `image`; changes nothing. The first image of a map is always inserted, as is one without
+// features.
+MappingDecision decide(const AppearanceVector& image, const MapView& map, const PairVerifier& verifier,
+                       const MapParameters& parameters);
+
+}  // namespace mapweld
