@@ -1,0 +1,24 @@
+// What a merge is asked to do, apart from how long it may take.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/types.h"
+
+namespace mapweld {
+
+struct MergeOptions {
+  std::string method = "quickconnect";  // one of merge_methods()
+  std::uint32_t min_votes = 12;         // a pair is a candidate when its final votes reach this; 1 .. 65535
+  VoteRule votes = VoteRule::kMin;      // how the similarity S of two images is counted
+  std::uint64_t seed = 0;               // of the methods that draw at random
+  friend bool operator==(const MergeOptions&, const MergeOptions&) = default;
+};
+
+// The names of the methods that can be had, the paper's own first: "quickconnect", "brute-force".
+const std::vector<std::string_view>& merge_methods();
+
+}  // namespace mapweld

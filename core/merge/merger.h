@@ -1,0 +1,51 @@
+// The step interface that every merge method stands behind.
+#pragma once
+
+#include <memory>
+
+#include "core/graph/appearance_graph.h"
+#include "core/merge/merge_input.h"
+#include "core/merge/merge_state.h"
+
+namespace mapweld {
+
+// A merge is one fixed sequence of steps; how it is interrupted, or by how many threads it is watched, does not change it.
+// A step is one transition of the state: the votes of one word (or of one image), or one candidate's verification or
+// postponement. Not thread-safe.
+//
+// What is behind step(): whatever decides the future is in state(). The rest (graph(), the word queue's heap) follows
+// from it and from the input, so that make_merger(input, state()) goes on exactly like this one.
+class Merger {
+ public:
+  virtual ~Merger() = default;
+  Merger(const Merger&) = delete;
+  Merger& operator=(const Merger&) = delete;
+
+  // One transition; at most one verification. Requires !done(). When it throws (an appearance source that cannot
+  // read), nothing has changed and it may be tried again.
+  virtual void step() = 0;
+
+  bool done() const { return state().phase == MergePhase::kDone; }
+  const MergeState& state() const { return state_; }
+  // The members' inner edges and the inter edges so far: the merged map, valid at any time.
+  const AppearanceGraph& graph() const { return graph_; }
+  const MergeInput& input() const { return input_; }
+  // Words in the queue altogether, processed ones included; 0 for a method that does not go by words.
+  virtual std::uint32_t words_total() const { return 0; }
+
+ protected:
+  Merger(MergeInput input, MergeState state);
+
+  MergeInput input_;
+  MergeState state_;
+  AppearanceGraph graph_;
+};
+
+// A fresh merge. Throws std::invalid_argument for an unknown method, a number of members other than two, or options out
+// of range.
+std::unique_ptr<Merger> make_merger(MergeInput input);
+
+// Goes on from `state`. Throws FormatError when it belongs to another method, other members or other options.
+std::unique_ptr<Merger> make_merger(MergeInput input, MergeState state);
+
+}  // namespace mapweld

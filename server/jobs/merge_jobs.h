@@ -1,0 +1,202 @@
+// Merge jobs: submitting them, following them, stopping and going on. The use cases behind /v1/merges (docs/http-api.md);
+// no HTTP and no JSON here.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/types.h"
+
+namespace mapweld {
+class Database;
+}
+
+namespace mapweld::server {
+
+// A request that cannot be served; `code` is the stable word of http-api.md: "no_such_merge", "no_such_map", "wrong_state",
+// "nothing_to_resume", "name_taken", "map_in_use", "vocabulary_mismatch", "duplicate_member", "too_few_members",
+// "unknown_method", "invalid_budget", "invalid_parameter", "invalid_name". Nothing stored has changed.
+class MergeJobError : public std::runtime_error {
+ public:
+  MergeJobError(std::string code, const std::string& detail) : std::runtime_error(detail), code_(std::move(code)) {}
+  const std::string& code() const { return code_; }
+
+ private:
+  std::string code_;
+};
+
+enum class MergeJobState : std::uint8_t { kQueued, kRunning, kPaused, kBudgetExhausted, kCompleted, kCancelled, kFailed };
+std::string_view to_string(MergeJobState state);  // the word of http-api.md: "queued", ...
+std::optional<MergeJobState> merge_job_state(std::string_view word);
+
+// What a run may spend; absent: unlimited. Whichever is reached first stops it.
+struct MergeBudget {
+  std::optional<double> seconds;                // > 0; counts steps, checkpoints and metrics
+  std::optional<std::uint64_t> verifications;   // > 0; to the very number
+  std::optional<std::uint64_t> edges;           // > 0
+  std::optional<double> fraction_of_maximum;    // in (0, 1]; not offered yet: invalid_budget
+  bool certified = false;                       // judge the fraction by the certificate
+  friend bool operator==(const MergeBudget&, const MergeBudget&) = default;
+};
+
+struct MergeParameters {
+  std::uint32_t min_votes = 12;      // 1 .. 65535
+  int min_inliers = 12;              // 8 .. 65535
+  double max_false_alarms = 1e-6;    // > 0
+  VoteRule votes = VoteRule::kMin;
+  bool alias_guard = false;          // not offered yet: true is invalid_parameter
+  friend bool operator==(const MergeParameters&, const MergeParameters&) = default;
+};
+
+struct MergeRequest {
+  std::vector<std::string> maps;     // members in the order that numbers the merged map's vertices; two
+  std::string name;                  // of the merged map
+  std::string method = "quickconnect";
+  std::uint64_t seed = 0;
+  MergeParameters parameters;
+  MergeBudget budget;
+};
+
+struct WordProgress {
+  std::uint64_t done = 0;
+  std::uint64_t total = 0;           // 0 for a method that does not go by words
+};
+
+struct CandidateProgress {
+  std::uint64_t known = 0;
+  std::uint64_t verified = 0;
+  std::uint64_t accepted = 0;
+};
+
+struct LargestComponent {
+  std::uint64_t vertices = 0;
+  double algebraic_connectivity = 0;
+};
+
+struct JoinedMember {
+  std::string map;
+  std::uint64_t vertices = 0;        // vertices of the member with an inter edge
+};
+
+struct CheckpointAge {
+  std::uint64_t step = 0;
+  double age_s = 0;
+};
+
+struct MergeStatus {
+  std::int64_t id = 0;
+  MergeJobState state = MergeJobState::kQueued;
+  std::string method;
+  std::vector<std::string> maps;
+  std::string map;                   // the merged map's name
+  std::uint64_t seed = 0;
+  MergeParameters parameters;
+  std::string phase;                 // voting, exploration, verification, refinement, done
+  std::uint64_t step = 0;
+  WordProgress words;
+  CandidateProgress candidates;
+  std::uint64_t edges = 0;
+  std::uint64_t components = 0;
+  double algebraic_connectivity = 0;
+  LargestComponent largest_component;
+  std::vector<JoinedMember> joined;
+  std::uint64_t independent_joins = 0;
+  std::optional<double> certified_fraction;
+  std::optional<double> estimated_fraction;
+  std::optional<std::uint64_t> joinable_vertices;
+  double elapsed_s = 0;
+  MergeBudget budget;                // as last given
+  MergeBudget remaining;             // what is left of it
+  std::optional<double> eta_s;       // until the merge is complete; null while nothing can be said honestly
+  std::optional<CheckpointAge> checkpoint;
+  std::optional<std::string> stop_reason;  // seconds, verifications, edges, fraction_of_maximum, paused, error
+  std::optional<std::string> error;
+  std::string created_at;            // RFC 3339
+};
+
+struct MergeCurvePoint {
+  std::uint64_t step = 0;
+  double elapsed_s = 0;
+  std::uint64_t verifications = 0;
+  std::uint64_t edges = 0;
+  std::uint64_t components = 0;
+  double algebraic_connectivity = 0;
+  LargestComponent largest_component;
+  std::optional<double> certified_fraction;
+  std::string phase;
+};
+
+struct MergeEdgePoint {
+  VertexId u{};
+  VertexId v{};
+  std::uint32_t votes = 0;
+  std::uint32_t inliers = 0;
+  std::uint64_t verifications = 0;   // as they stood when the edge was inserted
+  double elapsed_s = 0;
+};
+
+// A page of a list. `next` is the cursor of the page after it: give it back as `after`; empty at the end.
+template <typename Item>
+struct Page {
+  std::vector<Item> items;
+  std::optional<std::string> next;
+};
+
+struct MergeJobOptions {
+  int workers = 1;                       // jobs that run at the same time
+  double checkpoint_cost_share = 0.1;    // a checkpoint of d seconds is followed by no other for d / share seconds
+  double checkpoint_interval_s = 0.5;    // aimed at where that allows; at most 1 s of work is then lost
+  double metrics_cost_share = 0.1;       // the same for curve points
+  double progress_interval_s = 0.2;      // how fresh a polled status is
+};
+
+// Runs merge jobs on worker threads over the store. All functions may be called from any thread; every change is
+// committed before they return.
+class MergeJobs {
+ public:
+  // `database` must outlive this.
+  MergeJobs(Database& database, const MergeJobOptions& options = {});
+  ~MergeJobs();  // shutdown()
+  MergeJobs(const MergeJobs&) = delete;
+  MergeJobs& operator=(const MergeJobs&) = delete;
+
+  // Starts the workers. What was queued or running when the store was last closed goes on by itself.
+  void start();
+  // Checkpoints what runs, leaves it `running` in the store for the next start, and joins the workers. Idempotent.
+  void shutdown();
+
+  // Stores the job, the merged map and the members' watermarks in one transaction.
+  MergeStatus submit(const MergeRequest& request);
+
+  MergeStatus get(std::int64_t id) const;
+  Page<MergeStatus> list(std::optional<MergeJobState> state, std::size_t limit,
+                         const std::optional<std::string>& after) const;  // by id
+  Page<MergeCurvePoint> curve(std::int64_t id, std::size_t limit, const std::optional<std::string>& after) const;
+  Page<MergeEdgePoint> edges(std::int64_t id, std::size_t limit, const std::optional<std::string>& after) const;
+
+  // Stops a queued or running job at its next step; it is paused and checkpointed when this returns.
+  MergeStatus pause(std::int64_t id);
+  // A budget is an allowance on top of what was spent; without one, `paused` keeps its remainder and the other states
+  // run unlimited. Serves paused, budget_exhausted and failed; completed is "nothing_to_resume".
+  MergeStatus resume(std::int64_t id, const std::optional<MergeBudget>& budget);
+  // Final; the edges so far stay.
+  MergeStatus cancel(std::int64_t id);
+  // In any state: stops the job at its next step, then removes the job, its merged map and its inter edges in one
+  // transaction. "map_in_use" when another merge names the merged map.
+  void remove(std::int64_t id);
+
+  // Waits until the job is neither queued nor running, or the time is up.
+  MergeStatus wait(std::int64_t id, std::chrono::duration<double> timeout) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace mapweld::server
