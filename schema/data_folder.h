@@ -1,0 +1,50 @@
+// The data folder of a server: DIR/mapweld.db and the lock that makes it one server's.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+#include "schema/store.h"
+
+namespace mapweld {
+
+// PRAGMA application_id of every Mapweld database: "MWLD".
+inline constexpr std::int32_t kApplicationId = 0x4D574C44;
+
+struct DataFolderOptions {
+  // kServe: takes the lock, creates what is missing, brings an older schema up to date.
+  // kInspect: takes no lock, changes nothing, reads only; also beside a running server.
+  enum class Access : std::uint8_t { kServe, kInspect } access = Access::kServe;
+  StoreOptions store;
+};
+
+// Opens a data folder and keeps it locked for as long as it lives; when the process dies, however it does, the lock is
+// free again.
+//
+// - A missing folder or database is created; the database appears complete or not at all.
+// - An older schema is brought up to date, one transaction a version.
+// - Refused, and nothing changed: a folder in use by another process (kFolderInUse), a database of another application
+// or
+//   a file that is none (kForeignDatabase), of a newer version (kNewerVersion), no rights (kNoPermission), no space.
+class DataFolder {
+ public:
+  explicit DataFolder(const std::filesystem::path& folder, const DataFolderOptions& options = {});
+  ~DataFolder();
+  DataFolder(const DataFolder&) = delete;
+  DataFolder& operator=(const DataFolder&) = delete;
+
+  Store& store() { return *store_; }
+  const std::filesystem::path& folder() const { return folder_; }
+  // Schema version of the database when it was opened, before migrations; 0: it was created now.
+  int version_found() const { return version_found_; }
+
+ private:
+  class Lock;
+  std::filesystem::path folder_;
+  std::unique_ptr<Lock> lock_;
+  std::unique_ptr<Store> store_;
+  int version_found_ = 0;
+};
+
+}  // namespace mapweld

@@ -1,0 +1,105 @@
+// Tables `edges` and `verifiers`. A plain map owns its inner edges; a merged map owns its inter edges, each tagged with
+// the job that made it, numbered as the merged map numbers its vertices. Edges are read in order of insertion.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/types.h"
+#include "schema/map_layout.h"
+#include "schema/store.h"
+#include "schema/store_types.h"
+
+namespace mapweld {
+
+struct NewEdge {
+  VertexId u{};  // u < v
+  VertexId v{};
+  std::uint32_t votes = 0;
+  Verification verification;  // verify(u, v), accepted: geometry and matches go from u to v
+  bool confirmed = true;      // false: verified only (the alias guard withholds it)
+  // Inter edges: how the merge stood when this one was inserted.
+  std::uint64_t verifications = 0;
+  double elapsed_s = 0;
+};
+
+// The id of a verifier's version (PairVerifier::version) and parameters (JSON), stored when it is new.
+VerifierId intern_verifier(WriteTransaction& db, std::string_view version, std::string_view parameters);
+
+// Appends edges to a map, in the order given; inter edges when `job` is given. An edge that the map has already is a
+// broken request (kConstraint). vertex_store.h and merge_store.h call this; both keep the map's counters.
+void insert_edges(WriteTransaction& db, MapId map, std::span<const NewEdge> edges, VerifierId verifier,
+                  std::optional<JobId> job);
+
+struct EdgeRow {
+  EdgeId id{};
+  VertexId u{};  // u < v, in the numbering of the map that was asked
+  VertexId v{};
+  bool inter = false;  // made by a merge
+  std::uint32_t votes = 0;
+  std::uint32_t inliers = 0;
+  double log10_false_alarms = 0;
+  bool confirmed = true;
+  std::optional<JobId> job;         // inter: the merge that made it
+  std::uint64_t verifications = 0;  // inter: as they stood then
+  double elapsed_s = 0;             // inter: as it stood then
+};
+
+struct EdgeFilter {
+  std::uint32_t min_inliers = 0;
+  std::optional<bool> inter;      // only inter or only inner edges
+  std::optional<bool> confirmed;  // only confirmed or only unconfirmed edges
+};
+
+// Where a list of edges goes on: node of the layout, then the last edge read of it.
+struct EdgeCursor {
+  std::uint32_t node = 0;
+  std::int64_t edge = 0;
+  friend bool operator==(const EdgeCursor&, const EdgeCursor&) = default;
+};
+
+struct EdgePage {
+  std::vector<EdgeRow> edges;
+  std::optional<EdgeCursor> next;  // none: that was all
+};
+
+// The edges that a map shows, all levels of merging: its own, and those of its members below their watermarks. Node by
+// node as in the layout, each in order of insertion.
+EdgePage list_edges(const Reader& db, const MapLayout& layout, const EdgeFilter& filter, std::size_t limit,
+                    EdgeCursor after = {});
+
+// The inter edges of a merge in order of insertion, those after `after`.
+std::vector<EdgeRow> list_merge_edges(const Reader& db, JobId job, std::size_t limit, std::optional<EdgeId> after = {});
+
+// All edges that a map shows, for building its graph; in the order of list_edges.
+std::vector<Edge> load_edges(const Reader& db, const MapLayout& layout, const EdgeFilter& filter = {});
+
+// How many there are.
+std::uint64_t count_edges(const Reader& db, const MapLayout& layout, const EdgeFilter& filter = {});
+
+// The edges at one vertex of a plain or merged map, its own ones only, in order of insertion.
+std::vector<EdgeRow> list_own_edges_at(const Reader& db, MapId map, VertexId vertex);
+// The edges at one vertex, all levels of merging.
+std::vector<EdgeRow> list_edges_at(const Reader& db, const MapLayout& layout, VertexId vertex);
+
+// The edge between two vertices of one map, its own ones only.
+std::optional<EdgeRow> find_own_edge(const Reader& db, MapId map, VertexId u, VertexId v);
+
+// Everything that was stored of an edge.
+struct EdgeEvidence {
+  EdgeRow edge;
+  Verification verification;
+  std::string verifier_version;
+  std::string verifier_parameters;
+};
+// Throws std::out_of_range when there is no such edge, StoreError kCorrupt when a blob is damaged.
+EdgeEvidence load_edge_evidence(const Reader& db, EdgeId edge);
+
+// Changes what is confirmed among a merged map's own edges.
+void set_confirmed(WriteTransaction& db, std::span<const EdgeId> edges, bool confirmed);
+
+}  // namespace mapweld

@@ -1,0 +1,92 @@
+// Tables `images`, `image_bytes` and `appearances`: every image that a map has taken, as a vertex or ignored.
+//
+// One row of `images` is one upload, so that a name is unique in its map whatever became of the image, and a repeated
+// upload finds its first outcome. An image's bytes and its appearances stand in tables of their own: they are big, and
+// each can go (pixels deleted) or come (indexed under a second vocabulary) without the other.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "schema/edge_store.h"
+#include "schema/map_layout.h"
+#include "schema/store.h"
+#include "schema/store_types.h"
+
+namespace mapweld {
+
+// What an upload tells about its image, inserted or ignored.
+struct NewImage {
+  std::string name;        // 1 to 255 bytes, unique in its map
+  Sha256 sha256{};         // of the bytes as uploaded
+  std::string media_type;  // "image/jpeg" or "image/png"
+  int width_px = 0;
+  int height_px = 0;
+  int features = 0;
+  Provenance provenance;
+  Reason reason = Reason::kNone;  // inserted without an edge: why
+  Timestamp uploaded_at;
+  std::span<const std::uint8_t> bytes;  // kept when not empty; need not outlive the call
+};
+
+// Inserts the next vertex of a plain map: image, appearances under `vocabulary` and its edges; the map's revision grows
+// by one. `edges`: to vertices that the map has; `NewEdge::v` is ignored and becomes the number that is returned.
+VertexId insert_vertex(WriteTransaction& db, MapId map, VocabularyId vocabulary, const NewImage& image,
+                       const AppearanceVector& appearances, std::span<const NewEdge> edges, VerifierId verifier);
+
+// Remembers an image that was not inserted because it shows too much of what `similar_to` shows. Grows the revision.
+ImageId insert_ignored(WriteTransaction& db, MapId map, const NewImage& image, VertexId similar_to, int inliers);
+
+struct ImageRow {
+  ImageId id{};
+  MapId map{};                     // the plain map that took it
+  std::optional<VertexId> vertex;  // its number there; none: ignored
+  std::string name;
+  Sha256 sha256{};
+  std::string media_type;
+  int width_px = 0;
+  int height_px = 0;
+  int features = 0;
+  Provenance provenance;
+  Reason reason = Reason::kNone;
+  std::optional<VertexId> similar_to;  // ignored: the vertex that it resembles too much
+  int inliers = 0;                     // ignored: to that vertex
+  Timestamp uploaded_at;
+  std::optional<Timestamp> deleted_at;  // tombstone: the number stays taken
+  bool has_bytes = false;               // the uploaded bytes are kept
+};
+
+// By name, inserted or ignored: how a repeated upload is recognised.
+std::optional<ImageRow> find_image(const Reader& db, MapId map, std::string_view name);
+std::optional<ImageRow> find_vertex(const Reader& db, MapId map, VertexId vertex);
+
+// The bytes as they were uploaded; nullopt when they were not kept.
+std::optional<std::vector<std::uint8_t>> load_image_bytes(const Reader& db, ImageId image);
+
+// Ignored images of a map in order of arrival, those after `after`.
+std::vector<ImageRow> list_ignored(const Reader& db, MapId map, std::size_t limit, std::optional<ImageId> after = {});
+
+// A vertex as a map shows it: for a merged map `vertex` is its own number, `image.map` and `image.vertex` the member's.
+struct VertexRow {
+  VertexId vertex{};
+  ImageRow image;
+};
+// Up to `limit` vertices of any map, ascending, those after `after`.
+std::vector<VertexRow> list_vertices(const Reader& db, const MapLayout& layout, std::size_t limit,
+                                     std::optional<VertexId> after = {});
+// Those named `name`, ascending: at most one in a plain map, at most one a member in a merged one.
+std::vector<VertexRow> find_vertices(const Reader& db, const MapLayout& layout, std::string_view name);
+
+// The appearance vector of a vertex of a plain map, bit for bit as inserted. Throws std::out_of_range when the map has
+// no such vertex under this vocabulary, StoreError kCorrupt when the blob is damaged.
+AppearanceVector load_appearances(const Reader& db, MapId map, VocabularyId vocabulary, VertexId vertex);
+
+// Those of the vertices first .. first+count-1 of a plain map, in order. Throws as load_appearances.
+std::vector<AppearanceVector> load_appearances(const Reader& db, MapId map, VocabularyId vocabulary, VertexId first,
+                                               std::uint32_t count);
+
+}  // namespace mapweld
