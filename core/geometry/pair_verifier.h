@@ -8,8 +8,8 @@
 namespace mapweld {
 
 struct VerifierOptions {
-  int min_inliers = 12;                 // accept only with at least so many consistent matches
-  double max_false_alarms = 1e-6;       // and only when chance would give them at most so often (a-contrario)
+  int min_inliers = 12;            // accept only with at least so many consistent matches
+  double max_false_alarms = 1e-6;  // and only when chance would give them at most so often (a-contrario)
 };
 
 // A pure function of two images. Implementations are immutable and thread-safe.

@@ -18,8 +18,8 @@ struct MapParameters {
   int max_features = 500;
   std::uint32_t min_votes = 12;
   int min_inliers = 12;
-  int max_inliers = 150;           // a new image with more inliers to some vertex is ignored as too similar
-  int verify_top = 20;             // so many best candidates are verified when localizing and mapping
+  int max_inliers = 150;  // a new image with more inliers to some vertex is ignored as too similar
+  int verify_top = 20;    // so many best candidates are verified when localizing and mapping
   VoteRule votes = VoteRule::kMin;
   friend bool operator==(const MapParameters&, const MapParameters&) = default;
 };
@@ -38,8 +38,8 @@ class MapView {
 struct LocalizationMatch {
   VertexId vertex{};
   std::uint32_t votes = 0;
-  bool verified = false;           // accepted by the verifier
-  Verification verification;       // empty for candidates beyond verify_top
+  bool verified = false;      // accepted by the verifier
+  Verification verification;  // empty for candidates beyond verify_top
 };
 
 enum class LocalizationStatus : std::uint8_t { kLocalized, kAmbiguous, kNotFound };
@@ -47,12 +47,12 @@ std::string_view to_string(LocalizationStatus status);
 
 struct Localization {
   LocalizationStatus status = LocalizationStatus::kNotFound;
-  Reason reason = Reason::kNone;   // why not, when not localized
+  Reason reason = Reason::kNone;  // why not, when not localized
   struct Funnel {
     int features = 0;
     std::uint32_t known_words = 0;
     int candidates = 0;
-    int verified = 0;              // candidates that were put to the verifier
+    int verified = 0;  // candidates that were put to the verifier
     int best_inliers = 0;
     int needed_inliers = 0;
   } funnel;
@@ -60,7 +60,17 @@ struct Localization {
   std::vector<LocalizationMatch> matches;
 };
 
+// Two verified vertices show one place when they are at most so many hops apart.
+inline constexpr int kSamePlaceHops = 3;
+// A place is clearly ahead of another when its best match has more than so many times the other's inliers.
+inline constexpr int kClearlyAhead = 2;
+
 // Localizes `query`; changes nothing. Deterministic; thread-safe when the view is.
+//
+// Ambiguous: some verified vertex is further than kSamePlaceHops from the best one (or not connected to it), and the
+// best one is not clearly ahead of it (kClearlyAhead).
+// The reason of a failure is the one of the candidate that came furthest: inconsistent before not_significant before
+// too_few_inliers.
 Localization localize(const AppearanceVector& query, const MapView& map, const PairVerifier& verifier,
                       const MapParameters& parameters);
 

@@ -10,10 +10,10 @@ namespace mapweld {
 
 struct MappingDecision {
   enum class Outcome : std::uint8_t { kInserted, kIgnored } outcome = Outcome::kInserted;
-  VertexId similar_to{};                  // kIgnored: the vertex that it resembles too much
-  int inliers = 0;                        // kIgnored: to that vertex
-  Reason reason = Reason::kNone;          // kInserted without an edge: why
-  std::vector<LocalizationMatch> edges;   // kInserted: the verified matches, by inliers
+  VertexId similar_to{};                 // kIgnored: the vertex that it resembles too much
+  int inliers = 0;                       // kIgnored: to that vertex
+  Reason reason = Reason::kNone;         // kInserted without an edge: why
+  std::vector<LocalizationMatch> edges;  // kInserted: the verified matches, by inliers
 };
 
 // Decides what becomes of `image`; changes nothing. The first image of a map is always inserted, as is one without

@@ -1,0 +1,34 @@
+#include "core/geometry/similarity_support.h"
+
+#include <cstddef>
+
+namespace mapweld {
+
+std::vector<std::uint16_t> similarity_support(const Correspondences& c, const SimilaritySupportOptions& options) {
+  const std::size_t n = c.size();
+  std::vector<std::uint16_t> support(n, 0);
+  const float relative2 = options.relative_slack * options.relative_slack;
+  const float slack2 = options.slack * options.slack;
+  for (std::size_t i = 0; i < n; ++i) {
+    const float re = c.m_re[i];
+    const float im = c.m_im[i];
+    const float ratio = c.ratio[i];
+    int agreeing = 0;
+    for (std::size_t j = 0; j < n; ++j) {
+      const float dxa = c.xa[j] - c.xa[i];
+      const float dya = c.ya[j] - c.ya[i];
+      const float dxb = c.xb[j] - c.xb[i];
+      const float dyb = c.yb[j] - c.yb[i];
+      const float ex = re * dxa - im * dya - dxb;
+      const float ey = im * dxa + re * dya - dyb;
+      const bool placed = ex * ex + ey * ey <= slack2 + relative2 * (dxb * dxb + dyb * dyb);
+      const bool turned = re * c.m_re[j] + im * c.m_im[j] >= options.max_turn_cos * ratio * c.ratio[j];
+      const bool scaled = c.ratio[j] <= options.max_ratio * ratio && ratio <= options.max_ratio * c.ratio[j];
+      agreeing += placed & turned & scaled;
+    }
+    support[i] = static_cast<std::uint16_t>(agreeing - 1);
+  }
+  return support;
+}
+
+}  // namespace mapweld
