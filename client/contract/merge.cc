@@ -25,6 +25,9 @@ void check(const SubmitMerge& request) {
   if (request.parameters) {
     check_range(request.parameters->min_votes, "parameters.min_votes", 1, 65535);
     check_range(request.parameters->min_inliers, "parameters.min_inliers", 1, 65535);
+    if (request.parameters->max_false_alarms && !(*request.parameters->max_false_alarms > 0)) {
+      throw ContractError("invalid_parameter", "\"parameters.max_false_alarms\" must be greater than 0.");
+    }
     check_one_of(request.parameters->votes, "parameters.votes", {"min", "product"});
   }
   if (request.budget) check(*request.budget);

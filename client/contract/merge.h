@@ -29,7 +29,8 @@ bool is_at_rest(std::string_view merge_state);
 struct MergeParameters {
   std::optional<int> min_votes;
   std::optional<int> min_inliers;
-  std::optional<std::string> votes;  // "min" or "product"
+  std::optional<double> max_false_alarms;  // an accepted pair's number of false alarms is at most this; > 0
+  std::optional<std::string> votes;        // "min" or "product"
   std::optional<bool> alias_guard;
   static constexpr auto fields() {
     using P = MergeParameters;
@@ -119,6 +120,7 @@ struct Merge {
   std::vector<std::string> maps;
   std::string map;  // the merged map's name
   std::int64_t seed = 0;
+  MergeParameters parameters;
   std::string phase = "voting";  // one of kMergePhases
   std::int64_t step = 0;
   WordProgress words;
@@ -132,26 +134,29 @@ struct Merge {
   std::optional<double> certified_fraction;
   std::optional<double> estimated_fraction;
   std::optional<std::int64_t> joinable_vertices;
-  double elapsed_s = 0;  // steps, checkpoints and metrics; not waiting, not loading
-  Budget budget;
-  std::optional<double> eta_s;
+  double elapsed_s = 0;         // steps, checkpoints and metrics; not waiting, not loading
+  Budget budget;                // as last given
+  Budget remaining;             // what is left of it
+  std::optional<double> eta_s;  // until the merge is complete; null while nothing can be said
   std::optional<MergeCheckpoint> checkpoint;
   std::optional<std::string> stop_reason;
   std::optional<std::string> error;  // of a failed merge
+  std::string created_at;            // RFC 3339, UTC
   MergeLinks links;
   static constexpr auto fields() {
     using M = Merge;
     return std::tuple(
         field("id", &M::id), field("state", &M::state), field("method", &M::method), field("maps", &M::maps),
-        field("map", &M::map), field("seed", &M::seed), field("phase", &M::phase), field("step", &M::step),
-        field("words", &M::words), field("candidates", &M::candidates), field("edges", &M::edges),
-        field("components", &M::components), field("algebraic_connectivity", &M::algebraic_connectivity),
-        field("largest_component", &M::largest_component), field("joined", &M::joined),
-        field("independent_joins", &M::independent_joins), field("certified_fraction", &M::certified_fraction),
-        field("estimated_fraction", &M::estimated_fraction), field("joinable_vertices", &M::joinable_vertices),
-        field("elapsed_s", &M::elapsed_s), field("budget", &M::budget), field("eta_s", &M::eta_s),
+        field("map", &M::map), field("seed", &M::seed), field("parameters", &M::parameters), field("phase", &M::phase),
+        field("step", &M::step), field("words", &M::words), field("candidates", &M::candidates),
+        field("edges", &M::edges), field("components", &M::components),
+        field("algebraic_connectivity", &M::algebraic_connectivity), field("largest_component", &M::largest_component),
+        field("joined", &M::joined), field("independent_joins", &M::independent_joins),
+        field("certified_fraction", &M::certified_fraction), field("estimated_fraction", &M::estimated_fraction),
+        field("joinable_vertices", &M::joinable_vertices), field("elapsed_s", &M::elapsed_s),
+        field("budget", &M::budget), field("remaining", &M::remaining), field("eta_s", &M::eta_s),
         field("checkpoint", &M::checkpoint), field("stop_reason", &M::stop_reason), field("error", &M::error),
-        field("links", &M::links));
+        field("created_at", &M::created_at), field("links", &M::links));
   }
   friend bool operator==(const Merge&, const Merge&) = default;
 };

@@ -1,0 +1,156 @@
+// The documents against the examples of docs/http-api.md: what is read and written back is the same document.
+#include <gtest/gtest.h>
+
+#include "client/contract/graph.h"
+#include "client/contract/image.h"
+#include "client/contract/map.h"
+#include "client/contract/merge.h"
+#include "client/contract/page.h"
+#include "client/contract/problem_document.h"
+#include "client/contract/vocabulary.h"
+
+namespace mapweld::contract {
+namespace {
+
+// Reads `text` as a T and writes it again: nothing of it may be lost, added or reordered.
+template <class T>
+void expect_round_trip(const char* text) {
+  const Json document = parse_json(text);
+  const T read = document.get<T>();
+  EXPECT_EQ(Json(read).dump(), document.dump());
+  EXPECT_EQ(Json(read).get<T>(), read);
+}
+
+TEST(Documents, MapHasTheShapeOfThePage) {
+  expect_round_trip<Map>(R"({"name":"lab-a","kind":"map","vocabulary":"indoor-50k","vertices":1356,"edges":9121,
+    "ignored":40,"uuid":"7d444840-9dc0-11d1-b245-5ffdce74fad2",
+    "parameters":{"max_features":500,"min_votes":12,"min_inliers":12,"max_inliers":150,"verify_top":20,"votes":"min",
+                  "store_images":"full"},
+    "labels":{"robot":"p3at-1"},"members":[],"created_at":"2026-11-23T10:00:00Z","revision":1396})");
+}
+
+TEST(Documents, MergedMapNamesItsMembersAndItsMerge) {
+  const char* text = R"({"name":"lab","kind":"merged","vocabulary":"indoor-50k","vertices":1966,"edges":11021,
+    "ignored":0,"uuid":"7d444840-9dc0-11d1-b245-5ffdce74fad3","parameters":{},"labels":{},
+    "members":[{"map":"lab-a","watermark":1356},{"map":"lab-b","watermark":610}],"merge":1,
+    "created_at":"2026-11-23T10:00:00Z","revision":3})";
+  expect_round_trip<Map>(text);
+  const auto map = parse_json(text).get<Map>();
+  EXPECT_EQ(map.members, (std::vector<MapMember>{{"lab-a", 1356}, {"lab-b", 610}}));
+  EXPECT_EQ(map.merge, 1);
+}
+
+TEST(Documents, VertexHasTheShapeOfThePage) {
+  expect_round_trip<Vertex>(R"({"vertex":812,"name":"000812.jpg","width_px":320,"height_px":240,"features":431,
+    "degree":7,"captured_at":null,"sequence":"run-1","index":812,"sha256":"ab12","camera":null,"map":"lab-a",
+    "member_vertex":812})");
+}
+
+TEST(Documents, UploadHasTheShapesOfThePage) {
+  const char* inserted = R"({"outcome":"inserted","vertex":123,"name":"000123.jpg","features":431,
+    "edges":[{"vertex":122,"votes":188,"inliers":96}],"reason":null,"took_ms":31.4})";
+  expect_round_trip<Upload>(inserted);
+  expect_round_trip<Upload>(R"({"outcome":"inserted","vertex":0,"name":"0","features":0,"edges":[],
+    "reason":"too_few_features","took_ms":3.5})");
+  const char* ignored = R"({"outcome":"ignored","name":"000124.jpg","features":440,"reason":"too_similar",
+    "similar_to":122,"inliers":240,"took_ms":29.0})";
+  expect_round_trip<Upload>(ignored);
+  EXPECT_FALSE(Json(parse_json(ignored).get<Upload>()).contains("vertex"));
+  EXPECT_FALSE(Json(parse_json(inserted).get<Upload>()).contains("similar_to"));
+}
+
+TEST(Documents, BatchHoldsAnOutcomeOrAProblemPerPartInOrder) {
+  const char* text = R"({"items":[
+    {"outcome":"inserted","vertex":1,"name":"a.jpg","features":4,"edges":[],"reason":"no_candidate","took_ms":2.5},
+    {"type":"urn:mapweld:problem:undecodable_image","title":"t","status":422,"detail":"d","code":"undecodable_image",
+     "request_id":"r"}]})";
+  expect_round_trip<Batch>(text);
+  const auto batch = parse_json(text).get<Batch>();
+  ASSERT_EQ(batch.items.size(), 2U);
+  EXPECT_EQ(std::get<Upload>(batch.items[0]).name, "a.jpg");
+  EXPECT_EQ(std::get<Problem>(batch.items[1]).code, "undecodable_image");
+  EXPECT_THROW(parse_json(R"({"items":7})").get<Batch>(), ContractError);
+}
+
+TEST(Documents, IgnoredImageRoundTrips) {
+  expect_round_trip<IgnoredImage>(R"({"name":"000124.jpg","reason":"too_similar","similar_to":122,"inliers":240,
+    "features":440,"captured_at":null,"sequence":null,"index":null,"sha256":"ab"})");
+}
+
+TEST(Documents, LocalizationHasTheShapeOfThePage) {
+  expect_round_trip<Localization>(R"({"status":"localized","reason":null,"took_ms":23.1,
+    "funnel":{"features":455,"known_words":301,"candidates":37,"verified":9,"best_inliers":61,"needed_inliers":12},
+    "matches":[{"vertex":812,"map":"lab-a","member_vertex":812,"name":"000812.jpg","votes":143,"inliers":61,
+                "verified":true}]})");
+}
+
+TEST(Documents, GraphHasTheShapeOfThePage) {
+  expect_round_trip<Graph>(R"({"vertices":[],"edges":[
+    {"u":3,"v":9,"kind":"inner","votes":88,"inliers":41,"log10_false_alarms":-22.5,"confirmed":true,"merge":null},
+    {"u":3,"v":1400,"kind":"inter","votes":80,"inliers":31,"log10_false_alarms":-12.5,"confirmed":false,"merge":1}]})");
+}
+
+TEST(Documents, QualityHasTheShapeOfThePage) {
+  expect_round_trip<Quality>(R"({"vertices":1966,"edges":9121,"components":3,"algebraic_connectivity":0.0,
+    "weighted_algebraic_connectivity":0.0,"largest_component":{"vertices":1960,"algebraic_connectivity":0.0131},
+    "min_degree":0,"edge_connectivity":0,
+    "joined":[{"map":"lab-a","vertices":320},{"map":"lab-b","vertices":301}],"independent_joins":288})");
+}
+
+TEST(Documents, SubmissionHasTheShapeOfThePage) {
+  const Json document = parse_json(R"({"maps":["lab-a","lab-b"],"name":"lab","method":"quickconnect","seed":7,
+    "parameters":{"min_votes":12,"min_inliers":12,"votes":"product","alias_guard":false},
+    "budget":{"seconds":1.5,"verifications":null,"edges":null,"fraction_of_maximum":null,"certified":false}})");
+  const auto submit = read_request<SubmitMerge>(document);
+  EXPECT_NO_THROW(check(submit));
+  EXPECT_EQ(submit.maps, (std::vector<std::string>{"lab-a", "lab-b"}));
+  EXPECT_EQ(submit.seed, 7);
+  EXPECT_EQ(submit.parameters->votes, "product");
+  EXPECT_EQ(submit.budget->seconds, 1.5);
+  EXPECT_EQ(submit.budget->verifications, std::nullopt);
+  EXPECT_EQ(Json(submit).get<SubmitMerge>(), submit);
+}
+
+TEST(Documents, MergeHasTheFieldsOfThePage) {
+  const Json document = parse_json(R"({"id":1,"state":"running","method":"quickconnect","maps":["lab-a","lab-b"],
+    "map":"lab","seed":7,"phase":"exploration","step":18231,"words":{"done":9120,"total":31877},
+    "candidates":{"known":5120,"verified":412,"accepted":247},"edges":247,"components":3,"algebraic_connectivity":0.0,
+    "largest_component":{"vertices":1960,"algebraic_connectivity":0.0131},
+    "joined":[{"map":"lab-a","vertices":3}],"independent_joins":288,"certified_fraction":null,"estimated_fraction":null,
+    "joinable_vertices":null,"elapsed_s":1.5,"budget":{"seconds":1.5},"eta_s":12.0,
+    "checkpoint":{"step":18176,"age_s":0.4},"stop_reason":null,"error":null,
+    "links":{"self":"/v1/merges/1","map":"/v1/maps/lab"}})");
+  const Json written(document.get<Merge>());
+  for (const auto& [key, value] : document.items()) EXPECT_EQ(written.at(key).dump(), value.dump()) << key;
+}
+
+TEST(Documents, CurvePointAndMergeEdgeHaveTheShapesOfThePage) {
+  expect_round_trip<CurvePoint>(R"({"step":512,"elapsed_s":0.25,"verifications":40,"edges":12,"components":4,
+    "algebraic_connectivity":0.0,"largest_component":{"vertices":1960,"algebraic_connectivity":0.0131},
+    "certified_fraction":null,"phase":"exploration"})");
+  expect_round_trip<MergeEdge>(R"({"u":1,"v":1400,"votes":91,"inliers":44,"verifications":17,"elapsed_s":0.125})");
+}
+
+TEST(Documents, VocabularyAndProblemRoundTrip) {
+  expect_round_trip<Vocabulary>(R"({"name":"indoor-50k","words":50000,"dimension":128,"descriptor":"sift",
+    "sha256":"ab","index":"hnsw","created_at":"2026-11-23T10:00:00Z"})");
+  expect_round_trip<Problem>(R"({"type":"urn:mapweld:problem:no_such_map","title":"There is no map of this name",
+    "status":404,"detail":"There is no map \"lab\".","code":"no_such_map","request_id":"9f"})");
+}
+
+TEST(Documents, PagesSayNullOnTheLastOne) {
+  const auto page = parse_json(R"({"items":[{"map":"a","watermark":3}],"next_cursor":null})").get<Page<MapMember>>();
+  EXPECT_EQ(page.items, (std::vector<MapMember>{{"a", 3}}));
+  EXPECT_EQ(page.next_cursor, std::nullopt);
+  EXPECT_EQ(Json(page).dump(), R"({"items":[{"map":"a","watermark":3}],"next_cursor":null})");
+}
+
+TEST(Documents, AnswersMaySayMoreOrLess) {
+  const auto map = parse_json(R"({"name":"lab","colour":"red","parameters":{"new":1}})").get<Map>();
+  EXPECT_EQ(map.name, "lab");
+  EXPECT_EQ(map.vertices, 0);
+  EXPECT_THROW(parse_json(R"({"name":5})").get<Map>(), ContractError);
+}
+
+}  // namespace
+}  // namespace mapweld::contract
