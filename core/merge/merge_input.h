@@ -42,11 +42,11 @@ class AppearanceTable final : public AppearanceSource {
 };
 
 struct MergeInput {
-  std::vector<MergeMember> members;                    // in the order given; two today
-  std::vector<Edge> inner_edges;                       // of all members
+  std::vector<MergeMember> members;  // in the order given; two today
+  std::vector<Edge> inner_edges;     // of all members
   std::shared_ptr<const AppearanceSource> appearances;
-  std::shared_ptr<const PairVerifier> verifier;        // how a pair is verified
-  std::shared_ptr<const VoteSource> votes;             // where candidates come from; null: the words of `appearances`
+  std::shared_ptr<const PairVerifier> verifier;  // how a pair is verified
+  std::shared_ptr<const VoteSource> votes;       // where candidates come from; null: the words of `appearances`
   MergeOptions options;
 };
 

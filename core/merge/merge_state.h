@@ -56,13 +56,13 @@ struct PairSearch {
   // A word whose pairs are more than one step's work is voted for in parts; `word_in_hand` is kNoWord between words.
   static constexpr std::uint32_t kNoWord = 0xFFFFFFFF;
   std::uint32_t word_in_hand = kNoWord;
-  std::uint32_t word_next_row = 0;           // index into its row postings
-  std::vector<Candidate> pending;            // E: new candidates, in the order in which they are taken
+  std::uint32_t word_next_row = 0;  // index into its row postings
+  std::vector<Candidate> pending;   // E: new candidates, in the order in which they are taken
   std::uint64_t pending_next = 0;
-  std::vector<Candidate> postponed;          // L
+  std::vector<Candidate> postponed;  // L
   std::uint64_t postponed_next = 0;
   std::vector<std::uint8_t> source_processed;  // by row: an edge was inserted from it
-  std::uint32_t next_row = 0;                // brute force, voting: the next image of m2
+  std::uint32_t next_row = 0;                  // brute force, voting: the next image of m2
   friend bool operator==(const PairSearch&, const PairSearch&) = default;
 };
 
@@ -70,13 +70,13 @@ struct MergeState {
   std::string method;
   std::uint64_t input_fingerprint = 0;  // a state resumes only on the input that it came from
   MergePhase phase = MergePhase::kExploration;
-  std::uint64_t step = 0;               // transitions made
-  std::uint64_t verifications = 0;      // candidates with a verdict = edges + rejected
-  std::uint64_t candidates_known = 0;   // pairs that have reached min_votes
-  std::uint64_t random = 0;             // state of core/merge/random.h
+  std::uint64_t step = 0;              // transitions made
+  std::uint64_t verifications = 0;     // candidates with a verdict = edges + rejected
+  std::uint64_t candidates_known = 0;  // pairs that have reached min_votes
+  std::uint64_t random = 0;            // state of core/merge/random.h
   PairSearch search;
-  std::vector<MergeEdge> edges;         // in order of insertion
-  std::vector<RejectedPair> rejected;   // in order of verification
+  std::vector<MergeEdge> edges;        // in order of insertion
+  std::vector<RejectedPair> rejected;  // in order of verification
   friend bool operator==(const MergeState&, const MergeState&) = default;
 };
 

@@ -9,9 +9,9 @@
 
 namespace mapweld {
 
-// A merge is one fixed sequence of steps; how it is interrupted, or by how many threads it is watched, does not change it.
-// A step is one transition of the state: the votes of one word (or of one image), or one candidate's verification or
-// postponement. Not thread-safe.
+// A merge is one fixed sequence of steps; how it is interrupted, or by how many threads it is watched, does not change
+// it. A step is one transition of the state: the votes of one word (or of one image), or one candidate's verification
+// or postponement. Not thread-safe.
 //
 // What is behind step(): whatever decides the future is in state(). The rest (graph(), the word queue's heap) follows
 // from it and from the input, so that make_merger(input, state()) goes on exactly like this one.

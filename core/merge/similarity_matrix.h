@@ -1,4 +1,5 @@
-// The similarity matrix S (paper, section V): S_ij counts the votes that image i of m2 and image j of m1 received so far.
+// The similarity matrix S (paper, section V): S_ij counts the votes that image i of m2 and image j of m1 received so
+// far.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +14,8 @@ namespace mapweld {
 //
 // Two layouts with one behaviour:
 // - dense: every cell, rows x columns x 2 bytes, row-major.
-// - sparse: only the cells whose final votes are known to reach min_votes, found row by row beforehand; no other cell can
+// - sparse: only the cells whose final votes are known to reach min_votes, found row by row beforehand; no other cell
+// can
 //   ever become a candidate, so none is kept. 20,000 x 20,000 images take a few megabytes instead of 800.
 class SimilarityMatrix {
  public:
@@ -47,9 +49,9 @@ class SimilarityMatrix {
   std::uint32_t columns() const { return columns_; }
   bool is_sparse() const { return is_sparse_; }
   std::uint32_t appended_rows() const { return static_cast<std::uint32_t>(offsets_.empty() ? 0 : offsets_.size() - 1); }
-  std::span<const std::uint64_t> offsets() const { return offsets_; }             // sparse: rows so far + 1
-  std::span<const std::uint32_t> kept_columns() const { return kept_columns_; }   // sparse
-  std::span<const std::uint16_t> votes() const { return votes_; }                 // dense: rows x columns; sparse: kept
+  std::span<const std::uint64_t> offsets() const { return offsets_; }            // sparse: rows so far + 1
+  std::span<const std::uint32_t> kept_columns() const { return kept_columns_; }  // sparse
+  std::span<const std::uint16_t> votes() const { return votes_; }                // dense: rows x columns; sparse: kept
   friend bool operator==(const SimilarityMatrix& a, const SimilarityMatrix& b);
 
  private:

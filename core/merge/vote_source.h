@@ -69,7 +69,8 @@ constexpr std::uint32_t votes_of(VoteRule rule, std::uint32_t a, std::uint32_t b
 // The final votes of one pair.
 std::uint32_t votes_of_pair(const VoteSource& source, std::uint32_t row, std::uint32_t column, VoteRule rule);
 
-// The final votes of a row against every column: `votes` is resized to columns(). Cost: the postings of the row's words.
+// The final votes of a row against every column: `votes` is resized to columns(). Cost: the postings of the row's
+// words.
 void votes_of_row(const VoteSource& source, std::uint32_t row, VoteRule rule, std::vector<std::uint32_t>& votes);
 
 }  // namespace mapweld

@@ -1,5 +1,5 @@
-// Merge jobs: submitting them, following them, stopping and going on. The use cases behind /v1/merges (docs/http-api.md);
-// no HTTP and no JSON here.
+// Merge jobs: submitting them, following them, stopping and going on. The use cases behind /v1/merges
+// (docs/http-api.md); no HTTP and no JSON here.
 #pragma once
 
 #include <chrono>
@@ -19,9 +19,10 @@ class Database;
 
 namespace mapweld::server {
 
-// A request that cannot be served; `code` is the stable word of http-api.md: "no_such_merge", "no_such_map", "wrong_state",
-// "nothing_to_resume", "name_taken", "map_in_use", "vocabulary_mismatch", "duplicate_member", "too_few_members",
-// "unknown_method", "invalid_budget", "invalid_parameter", "invalid_name". Nothing stored has changed.
+// A request that cannot be served; `code` is the stable word of http-api.md: "no_such_merge", "no_such_map",
+// "wrong_state", "nothing_to_resume", "name_taken", "map_in_use", "vocabulary_mismatch", "duplicate_member",
+// "too_few_members", "unknown_method", "invalid_budget", "invalid_parameter", "invalid_name". Nothing stored has
+// changed.
 class MergeJobError : public std::runtime_error {
  public:
   MergeJobError(std::string code, const std::string& detail) : std::runtime_error(detail), code_(std::move(code)) {}
@@ -31,32 +32,40 @@ class MergeJobError : public std::runtime_error {
   std::string code_;
 };
 
-enum class MergeJobState : std::uint8_t { kQueued, kRunning, kPaused, kBudgetExhausted, kCompleted, kCancelled, kFailed };
+enum class MergeJobState : std::uint8_t {
+  kQueued,
+  kRunning,
+  kPaused,
+  kBudgetExhausted,
+  kCompleted,
+  kCancelled,
+  kFailed
+};
 std::string_view to_string(MergeJobState state);  // the word of http-api.md: "queued", ...
 std::optional<MergeJobState> merge_job_state(std::string_view word);
 
 // What a run may spend; absent: unlimited. Whichever is reached first stops it.
 struct MergeBudget {
-  std::optional<double> seconds;                // > 0; counts steps, checkpoints and metrics
-  std::optional<std::uint64_t> verifications;   // > 0; to the very number
-  std::optional<std::uint64_t> edges;           // > 0
-  std::optional<double> fraction_of_maximum;    // in (0, 1]; not offered yet: invalid_budget
-  bool certified = false;                       // judge the fraction by the certificate
+  std::optional<double> seconds;               // > 0; counts steps, checkpoints and metrics
+  std::optional<std::uint64_t> verifications;  // > 0; to the very number
+  std::optional<std::uint64_t> edges;          // > 0
+  std::optional<double> fraction_of_maximum;   // in (0, 1]; not offered yet: invalid_budget
+  bool certified = false;                      // judge the fraction by the certificate
   friend bool operator==(const MergeBudget&, const MergeBudget&) = default;
 };
 
 struct MergeParameters {
-  std::uint32_t min_votes = 12;      // 1 .. 65535
-  int min_inliers = 12;              // 8 .. 65535
-  double max_false_alarms = 1e-6;    // > 0
+  std::uint32_t min_votes = 12;    // 1 .. 65535
+  int min_inliers = 12;            // 8 .. 65535
+  double max_false_alarms = 1e-6;  // > 0
   VoteRule votes = VoteRule::kMin;
-  bool alias_guard = false;          // not offered yet: true is invalid_parameter
+  bool alias_guard = false;  // not offered yet: true is invalid_parameter
   friend bool operator==(const MergeParameters&, const MergeParameters&) = default;
 };
 
 struct MergeRequest {
-  std::vector<std::string> maps;     // members in the order that numbers the merged map's vertices; two
-  std::string name;                  // of the merged map
+  std::vector<std::string> maps;  // members in the order that numbers the merged map's vertices; two
+  std::string name;               // of the merged map
   std::string method = "quickconnect";
   std::uint64_t seed = 0;
   MergeParameters parameters;
@@ -65,7 +74,7 @@ struct MergeRequest {
 
 struct WordProgress {
   std::uint64_t done = 0;
-  std::uint64_t total = 0;           // 0 for a method that does not go by words
+  std::uint64_t total = 0;  // 0 for a method that does not go by words
 };
 
 struct CandidateProgress {
@@ -81,7 +90,7 @@ struct LargestComponent {
 
 struct JoinedMember {
   std::string map;
-  std::uint64_t vertices = 0;        // vertices of the member with an inter edge
+  std::uint64_t vertices = 0;  // vertices of the member with an inter edge
 };
 
 struct CheckpointAge {
@@ -94,10 +103,10 @@ struct MergeStatus {
   MergeJobState state = MergeJobState::kQueued;
   std::string method;
   std::vector<std::string> maps;
-  std::string map;                   // the merged map's name
+  std::string map;  // the merged map's name
   std::uint64_t seed = 0;
   MergeParameters parameters;
-  std::string phase;                 // voting, exploration, verification, refinement, done
+  std::string phase;  // voting, exploration, verification, refinement, done
   std::uint64_t step = 0;
   WordProgress words;
   CandidateProgress candidates;
@@ -111,13 +120,13 @@ struct MergeStatus {
   std::optional<double> estimated_fraction;
   std::optional<std::uint64_t> joinable_vertices;
   double elapsed_s = 0;
-  MergeBudget budget;                // as last given
-  MergeBudget remaining;             // what is left of it
-  std::optional<double> eta_s;       // until the merge is complete; null while nothing can be said honestly
+  MergeBudget budget;           // as last given
+  MergeBudget remaining;        // what is left of it
+  std::optional<double> eta_s;  // until the merge is complete; null while nothing can be said honestly
   std::optional<CheckpointAge> checkpoint;
   std::optional<std::string> stop_reason;  // seconds, verifications, edges, fraction_of_maximum, paused, error
   std::optional<std::string> error;
-  std::string created_at;            // RFC 3339
+  std::string created_at;  // RFC 3339
 };
 
 struct MergeCurvePoint {
@@ -137,7 +146,7 @@ struct MergeEdgePoint {
   VertexId v{};
   std::uint32_t votes = 0;
   std::uint32_t inliers = 0;
-  std::uint64_t verifications = 0;   // as they stood when the edge was inserted
+  std::uint64_t verifications = 0;  // as they stood when the edge was inserted
   double elapsed_s = 0;
 };
 
@@ -149,11 +158,11 @@ struct Page {
 };
 
 struct MergeJobOptions {
-  int workers = 1;                       // jobs that run at the same time
-  double checkpoint_cost_share = 0.1;    // a checkpoint of d seconds is followed by no other for d / share seconds
-  double checkpoint_interval_s = 0.5;    // aimed at where that allows; at most 1 s of work is then lost
-  double metrics_cost_share = 0.1;       // the same for curve points
-  double progress_interval_s = 0.2;      // how fresh a polled status is
+  int workers = 1;                     // jobs that run at the same time
+  double checkpoint_cost_share = 0.1;  // a checkpoint of d seconds is followed by no other for d / share seconds
+  double checkpoint_interval_s = 0.5;  // aimed at where that allows; at most 1 s of work is then lost
+  double metrics_cost_share = 0.1;     // the same for curve points
+  double progress_interval_s = 0.2;    // how fresh a polled status is
 };
 
 // Runs merge jobs on worker threads over the store. All functions may be called from any thread; every change is
