@@ -34,6 +34,8 @@ inline constexpr std::array kCodes = {
     CodeEntry{"no_route", 404, "The map has no route between these vertices"},
     CodeEntry{"method_not_allowed", 405, "The path does not know this method"},
 
+    CodeEntry{"request_timeout", 408, "The request did not arrive in time"},
+
     CodeEntry{"name_taken", 409, "The name is taken"},
     CodeEntry{"wrong_map", 409, "The map is another one than expected"},
     CodeEntry{"map_in_use", 409, "A merge uses the map"},
@@ -62,6 +64,7 @@ inline constexpr std::array kCodes = {
     CodeEntry{"too_many_requests", 429, "Too many requests"},
     CodeEntry{"headers_too_large", 431, "The header block is too large"},
     CodeEntry{"internal_error", 500, "The server failed"},
+    CodeEntry{"not_implemented", 501, "The server does not offer this yet"},
     CodeEntry{"shutting_down", 503, "The server is shutting down"},
     CodeEntry{"not_ready", 503, "The server is not ready yet"},
     CodeEntry{"busy", 503, "The server is busy"},

@@ -1,0 +1,106 @@
+// The client library: docs/http-api.md as C++ functions.
+//
+//   mapweld::client::Client server("http://127.0.0.1:8080");
+//   server.create_map({.name = "lab-a"});
+//   mapweld::client::upload_directory(server, {.map = "lab-a", .directory = "lap-1"});  // client/upload.h
+//   auto found = server.localize("lab-a", image_bytes);
+//   if (found->status == "localized") std::cout << found->matches[0].name;
+//
+// Every function asks the server once (lists: once a page) and throws ServerProblem when it says no, ConnectionError
+// when there is no answer, UnexpectedAnswer when the answer is not the contract's (client/errors.h). Nothing is tried
+// again; what that would mean is said where it matters.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "client/connection.h"
+#include "client/contract/graph.h"
+#include "client/contract/image.h"
+#include "client/contract/json.h"
+#include "client/contract/map.h"
+#include "client/contract/merge.h"
+#include "client/contract/vocabulary.h"
+#include "client/errors.h"
+
+namespace mapweld::client {
+
+// An answer, understood and as it was sent. `json` holds fields that this client does not know, too; for a list it is
+// one page with all the items.
+template <class T>
+struct Answer {
+  T value;
+  contract::Json json;
+  const T* operator->() const { return &value; }
+  const T& operator*() const { return value; }
+};
+
+struct ImageFile {
+  std::string name;
+  std::string bytes;  // JPEG or PNG
+};
+
+struct LocalizeOptions {
+  std::optional<int> limit;  // most matches in the answer; absent: the server's default, 5
+  bool verified = false;     // only verified matches
+};
+
+// Not thread-safe: it is one connection. A second thread makes a second client.
+class Client {
+ public:
+  // Does not connect yet. Throws std::invalid_argument for what is not a server's address.
+  explicit Client(const std::string& base_url, const ConnectionOptions& options = {});
+  const std::string& base_url() const { return connection_.base_url(); }
+
+  contract::Json health();
+  contract::Json version();
+
+  Answer<std::vector<contract::Vocabulary>> vocabularies();
+
+  Answer<contract::Map> create_map(const contract::CreateMap& request);
+  Answer<std::vector<contract::Map>> maps();
+  Answer<contract::Map> map(const std::string& name);
+  void delete_map(const std::string& name);
+
+  // Uploads are safe to repeat: the same name with the same bytes gets the first outcome again.
+  Answer<contract::Upload> upload_image(const std::string& map, const ImageFile& image);
+  // At most contract::kMaxBatchImages, whose names have neither '"' nor '\'. The items stand in the order of `images`.
+  Answer<contract::Batch> upload_batch(const std::string& map, const std::vector<ImageFile>& images);
+
+  Answer<std::vector<contract::Vertex>> vertices(const std::string& map);
+  Answer<contract::Vertex> vertex(const std::string& map, std::int64_t vertex);
+  std::string vertex_image(const std::string& map, std::int64_t vertex);  // the stored bytes
+  Answer<std::vector<contract::IgnoredImage>> ignored(const std::string& map);
+  Answer<contract::Localization> localize(const std::string& map, const std::string& image_bytes,
+                                          const LocalizeOptions& options = {});
+
+  Answer<std::vector<contract::Edge>> edges(const std::string& map);
+  contract::Graph graph(const std::string& map);
+  // The graph as the server writes it: "json", "graphml", "dot" or "csv", handed on in pieces.
+  void export_graph(const std::string& map, const std::string& format,
+                    const std::function<void(std::string_view)>& receive);
+  Answer<contract::Quality> quality(const std::string& map);
+
+  Answer<contract::Merge> submit_merge(const contract::SubmitMerge& request);
+  Answer<std::vector<contract::Merge>> merges(const std::optional<std::string>& state = {});
+  Answer<contract::Merge> merge(std::int64_t id);
+  Answer<std::vector<contract::CurvePoint>> curve(std::int64_t id);
+  Answer<std::vector<contract::MergeEdge>> merge_edges(std::int64_t id);
+  Answer<contract::Merge> pause_merge(std::int64_t id);
+  Answer<contract::Merge> resume_merge(std::int64_t id, const std::optional<contract::Budget>& budget = {});
+  Answer<contract::Merge> cancel_merge(std::int64_t id);
+  void delete_merge(std::int64_t id);
+
+ private:
+  template <class T>
+  Answer<std::vector<T>> all_pages(const std::vector<std::string>& segments, Query query = {});
+  Answer<contract::Merge> command_merge(std::int64_t id, const std::string& verb, const std::string& body);
+
+  Connection connection_;
+};
+
+}  // namespace mapweld::client

@@ -1,0 +1,61 @@
+// One HTTP connection to a server: requests go out, answers come back as bytes, problems and broken connections as
+// exceptions. Knows HTTP, knows nothing of maps.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace mapweld::client {
+
+struct ConnectionOptions {
+  double connect_timeout_s = 5;
+  double read_timeout_s = 300;  // a batch of large images on a busy server takes its time
+  double write_timeout_s = 60;
+};
+
+// A part of a multipart/form-data body.
+struct FormPart {
+  std::string file_name;  // without '"' and '\', which have no agreed way to be written there
+  std::string content_type;
+  std::string bytes;
+};
+
+// Query parameters, in the order in which they are written.
+using Query = std::vector<std::pair<std::string, std::string>>;
+
+// "/v1/maps" + {"a b", "images"} -> "/v1/maps/a%20b/images".
+std::string path_of(std::string_view root, const std::vector<std::string>& segments, const Query& query = {});
+
+// The connection is kept alive between requests. One thread at a time; a second thread takes a second connection.
+class Connection {
+ public:
+  // `base_url`: "http://host:8080", "https://host/prefix", "host:8080". Throws std::invalid_argument for anything else.
+  // Connects with the first request.
+  explicit Connection(const std::string& base_url, const ConnectionOptions& options = {});
+  ~Connection();
+  Connection(Connection&&) noexcept;
+  Connection& operator=(Connection&&) noexcept;
+
+  const std::string& base_url() const { return base_url_; }
+
+  // Each returns the body of a 2xx answer. Throws ServerProblem for any other status, ConnectionError for none.
+  std::string get(const std::string& path);
+  std::string post(const std::string& path, const std::string& body, const std::string& content_type);
+  std::string post_form(const std::string& path, const std::vector<FormPart>& parts);
+  std::string remove(const std::string& path);
+
+  // Hands the body on in pieces as they arrive, and nothing when the answer is not 2xx.
+  void get(const std::string& path, const std::function<void(std::string_view)>& receive);
+
+ private:
+  struct Http;
+  std::unique_ptr<Http> http_;
+  std::string base_url_;
+  std::string prefix_;
+};
+
+}  // namespace mapweld::client
