@@ -93,15 +93,6 @@ Verification verify_in_order(const AppearanceVector& a, const AppearanceVector& 
   return v;
 }
 
-Verification mirrored(Verification v) {
-  std::swap(v.geometry[1], v.geometry[3]);
-  std::swap(v.geometry[2], v.geometry[6]);
-  std::swap(v.geometry[5], v.geometry[7]);
-  for (auto& m : v.inlier_matches) std::swap(m.first, m.second);
-  std::ranges::sort(v.inlier_matches);
-  return v;
-}
-
 }  // namespace
 
 Verification EpipolarVerifier::verify(const AppearanceVector& a, const AppearanceVector& b) const {

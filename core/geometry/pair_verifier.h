@@ -12,6 +12,9 @@ struct VerifierOptions {
   double max_false_alarms = 1e-6;  // and only when chance would give them at most so often (a-contrario)
 };
 
+// The same verdict seen from the other image: what verify(b, a) gives when `v` is verify(a, b).
+Verification mirrored(Verification v);
+
 // A pure function of two images. Implementations are immutable and thread-safe.
 //
 // Symmetric: verify(a, b) and verify(b, a) give the same verdict, with geometry transposed and matches swapped, because
