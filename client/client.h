@@ -16,6 +16,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "client/connection.h"
@@ -36,7 +37,8 @@ struct Answer {
   T value;
   contract::Json json;
   const T* operator->() const { return &value; }
-  const T& operator*() const { return value; }
+  const T& operator*() const& { return value; }
+  T operator*() && { return std::move(value); }
 };
 
 struct ImageFile {
