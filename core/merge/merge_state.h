@@ -1,11 +1,9 @@
 // Everything a merge remembers, as one value. A checkpoint writes it, a resume constructs from it.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "core/merge/similarity_matrix.h"
@@ -26,12 +24,8 @@ std::string_view to_string(MergePhase phase);  // the word of http-api.md
 struct MergeEdge {
   VertexId u{};
   VertexId v{};
-  std::uint32_t votes = 0;    // final votes
-  std::uint32_t inliers = 0;  // the edge's weight
-  double log10_false_alarms = 0;
-  GeometryKind kind = GeometryKind::kNone;
-  std::array<double, 9> geometry{};
-  std::vector<std::pair<std::uint16_t, std::uint16_t>> inlier_matches;
+  std::uint32_t votes = 0;          // final votes
+  Verification verification;        // of (u, v); its inliers are the edge's weight
   std::uint64_t verifications = 0;  // how many the merge had made, this one included
   friend bool operator==(const MergeEdge&, const MergeEdge&) = default;
 };

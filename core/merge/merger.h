@@ -34,11 +34,18 @@ class Merger {
   virtual std::uint32_t words_total() const { return 0; }
 
  protected:
-  Merger(MergeInput input, MergeState state);
+  // At the beginning: the merged graph has the inner edges only.
+  explicit Merger(MergeInput input);
+  // Takes over a state of the same input and rebuilds what follows from it. Throws FormatError when its parts do not
+  // fit together.
+  virtual void resume(MergeState state);
 
   MergeInput input_;
   MergeState state_;
   AppearanceGraph graph_;
+
+ private:
+  friend std::unique_ptr<Merger> make_merger(MergeInput input, MergeState state);
 };
 
 // A fresh merge. Throws std::invalid_argument for an unknown method, a number of members other than two, or options out

@@ -23,6 +23,8 @@ StopCondition stop_at_verifications(std::uint64_t verifications);
 StopCondition stop_at_edges(std::uint64_t edges);
 // Stops when `holds()`: a clock, a pause, a signal; core has none of its own.
 StopCondition stop_when(std::function<bool()> holds, StopReason reason);
+// The same for what only the merger can tell.
+StopCondition stop_when_merger(std::function<bool(const Merger&)> holds, StopReason reason);
 // The first of `conditions`, in their order, that holds.
 StopCondition stop_at_first(std::vector<StopCondition> conditions);
 

@@ -1,0 +1,51 @@
+#include "core/merge/brute_force.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace mapweld {
+
+BruteForce::BruteForce(MergeInput input) : PairMerger(std::move(input)) {
+  state_.phase = MergePhase::kVerification;
+  finish_when_exhausted();
+}
+
+void BruteForce::step() {
+  if (done()) throw std::logic_error("a merge that is done has no next step");
+  PairSearch& search = state_.search;
+  if (search.pending_next < search.pending.size()) {
+    verify(search.pending[search.pending_next]);
+    ++search.pending_next;
+  } else {
+    vote();
+  }
+  ++state_.step;
+  finish_when_exhausted();
+}
+
+void BruteForce::vote() {
+  PairSearch& search = state_.search;
+  votes_of_row(votes(), search.next_row, input_.options.votes, row_votes_);
+  search.pending.clear();
+  search.pending_next = 0;
+  for (std::uint32_t column = 0; column < row_votes_.size(); ++column) {
+    if (row_votes_[column] >= input_.options.min_votes) {
+      search.pending.push_back({source(search.next_row), target(column), row_votes_[column]});
+    }
+  }
+  std::ranges::sort(search.pending, [](const Candidate& a, const Candidate& b) {
+    return a.votes != b.votes ? a.votes > b.votes : a.target < b.target;
+  });
+  state_.candidates_known += search.pending.size();
+  ++search.next_row;
+}
+
+void BruteForce::finish_when_exhausted() {
+  const PairSearch& search = state_.search;
+  if (search.next_row == votes().rows() && search.pending_next == search.pending.size()) {
+    state_.phase = MergePhase::kDone;
+  }
+}
+
+}  // namespace mapweld

@@ -1,0 +1,26 @@
+// Brute-force merging (paper, section V): m1 is kept, the vertices of m2 are localized in it one by one.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "core/merge/pair_merger.h"
+
+namespace mapweld {
+
+// The images of m2 in their order; all candidates of an image (final votes at least min_votes) by votes descending,
+// then target. A step takes up the votes of one image, or verifies one candidate. One phase: kVerification.
+class BruteForce final : public PairMerger {
+ public:
+  static constexpr std::string_view kName = "brute-force";
+  explicit BruteForce(MergeInput input);
+  void step() override;
+
+ private:
+  void vote();
+  void finish_when_exhausted();
+  std::vector<std::uint32_t> row_votes_;  // scratch
+};
+
+}  // namespace mapweld

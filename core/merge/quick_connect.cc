@@ -1,0 +1,185 @@
+#include "core/merge/quick_connect.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "core/errors.h"
+
+namespace mapweld {
+
+QuickConnect::QuickConnect(MergeInput input, Limits limits) : PairMerger(std::move(input)), limits_(limits) {
+  PairSearch& search = state_.search;
+  const std::uint32_t rows = votes().rows(), columns = votes().columns();
+  const bool is_sparse = static_cast<std::uint64_t>(rows) * columns > limits_.dense_cells;
+  search.similarity = is_sparse ? SimilarityMatrix::sparse(rows, columns) : SimilarityMatrix::dense(rows, columns);
+  search.priorities.assign(votes().words().size(), 0);
+  search.word_processed.assign(votes().words().size(), 0);
+  search.source_processed.assign(rows, 0);
+  state_.phase = is_sparse ? MergePhase::kVoting : MergePhase::kExploration;
+  rebuild_queue();
+  advance_phase();
+}
+
+void QuickConnect::resume(MergeState state) {
+  const PairSearch& search = state.search;
+  const SimilarityMatrix& fresh = state_.search.similarity;
+  const std::size_t words = votes().words().size();
+  bool fits = search.similarity.is_sparse() == fresh.is_sparse() && search.similarity.rows() == fresh.rows() &&
+              search.similarity.columns() == fresh.columns() && search.priorities.size() == words &&
+              search.word_processed.size() == words && search.source_processed.size() == votes().rows();
+  fits = fits && search.words_processed == static_cast<std::size_t>(std::ranges::count(search.word_processed, 1));
+  fits = fits &&
+         (search.word_in_hand == PairSearch::kNoWord ||
+          (search.word_in_hand < words && search.word_next_row < votes().row_postings(search.word_in_hand).size()));
+  if (fresh.is_sparse()) {
+    fits = fits && search.similarity.appended_rows() == search.next_row &&
+           (state.phase == MergePhase::kVoting || search.next_row == votes().rows());
+  }
+  if (!fits) throw FormatError("a merge state whose queue or similarity matrix is not of its maps");
+  PairMerger::resume(std::move(state));
+  rebuild_queue();
+}
+
+void QuickConnect::step() {
+  const PairSearch& search = state_.search;
+  switch (state_.phase) {
+    case MergePhase::kVoting:
+      keep_row();
+      break;
+    case MergePhase::kExploration:
+      if (search.pending_next < search.pending.size() && search.word_in_hand == PairSearch::kNoWord) {
+        take_pending();
+      } else {
+        vote();
+      }
+      break;
+    case MergePhase::kRefinement:
+      take_postponed();
+      break;
+    case MergePhase::kVerification:
+    case MergePhase::kDone:
+      throw std::logic_error("a merge that is done has no next step");
+  }
+  ++state_.step;
+  advance_phase();
+}
+
+void QuickConnect::keep_row() {
+  PairSearch& search = state_.search;
+  votes_of_row(votes(), search.next_row, input_.options.votes, row_votes_);
+  std::vector<std::uint32_t> columns;
+  for (std::uint32_t column = 0; column < row_votes_.size(); ++column) {
+    if (row_votes_[column] >= input_.options.min_votes) columns.push_back(column);
+  }
+  search.similarity.append_row(columns);
+  ++search.next_row;
+}
+
+void QuickConnect::vote() {
+  PairSearch& search = state_.search;
+  if (search.word_in_hand == PairSearch::kNoWord) {
+    while (search.word_processed[queue_.top().word] || queue_.top().priority != search.priorities[queue_.top().word]) {
+      queue_.pop();
+    }
+    search.word_in_hand = queue_.top().word;
+    search.word_next_row = 0;
+    queue_.pop();
+    search.word_processed[search.word_in_hand] = 1;
+    ++search.words_processed;
+    search.pending.clear();
+    search.pending_next = 0;
+  }
+  const std::span<const Posting> rows = votes().row_postings(search.word_in_hand);
+  const std::span<const Posting> columns = votes().column_postings(search.word_in_hand);
+  const std::uint64_t part = std::max<std::uint64_t>(1, limits_.pairs_per_step / columns.size());
+  const std::span<const Posting> now =
+      rows.subspan(search.word_next_row, std::min<std::uint64_t>(part, rows.size() - search.word_next_row));
+  reached_.clear();
+  search.similarity.add(now, columns, input_.options.votes, input_.options.min_votes, reached_);
+  for (const SimilarityMatrix::Cell& cell : reached_) {
+    search.pending.push_back({source(cell.row), target(cell.column), cell.votes});
+  }
+  state_.candidates_known += reached_.size();
+  search.word_next_row += static_cast<std::uint32_t>(now.size());
+  if (search.word_next_row < rows.size()) return;
+  search.word_in_hand = PairSearch::kNoWord;
+  search.word_next_row = 0;
+  std::ranges::sort(search.pending, [](const Candidate& a, const Candidate& b) {
+    if (a.votes != b.votes) return a.votes > b.votes;
+    return std::pair(a.source, a.target) < std::pair(b.source, b.target);
+  });
+}
+
+void QuickConnect::take_pending() {
+  PairSearch& search = state_.search;
+  const Candidate candidate = search.pending[search.pending_next];
+  const std::uint32_t from = row(candidate.source);
+  if (search.source_processed[from]) {
+    search.postponed.push_back(candidate);
+  } else if (verify(candidate)) {
+    search.source_processed[from] = 1;
+    raise_words_of(from);
+  }
+  ++search.pending_next;
+}
+
+void QuickConnect::take_postponed() {
+  PairSearch& search = state_.search;
+  verify(search.postponed[search.postponed_next]);
+  ++search.postponed_next;
+}
+
+void QuickConnect::advance_phase() {
+  PairSearch& search = state_.search;
+  if (state_.phase == MergePhase::kVoting && search.next_row == votes().rows()) {
+    state_.phase = MergePhase::kExploration;
+  }
+  if (state_.phase == MergePhase::kExploration && search.words_processed == search.word_processed.size() &&
+      search.word_in_hand == PairSearch::kNoWord && search.pending_next == search.pending.size()) {
+    sort_postponed();
+    state_.phase = MergePhase::kRefinement;
+  }
+  if (state_.phase == MergePhase::kRefinement && search.postponed_next == search.postponed.size()) {
+    state_.phase = MergePhase::kDone;
+  }
+}
+
+void QuickConnect::sort_postponed() {
+  PairSearch& search = state_.search;
+  struct Keyed {
+    std::uint32_t degree;
+    Candidate candidate;
+  };
+  std::vector<Keyed> keyed;
+  keyed.reserve(search.postponed.size());
+  for (Candidate c : search.postponed) {
+    c.votes = search.similarity.at(row(c.source), column(c.target));
+    keyed.push_back({std::min(graph_.degree(c.source), graph_.degree(c.target)), c});
+  }
+  std::ranges::sort(keyed, [](const Keyed& a, const Keyed& b) {
+    if (a.degree != b.degree) return a.degree < b.degree;
+    if (a.candidate.votes != b.candidate.votes) return a.candidate.votes > b.candidate.votes;
+    return std::pair(a.candidate.source, a.candidate.target) < std::pair(b.candidate.source, b.candidate.target);
+  });
+  for (std::size_t i = 0; i < keyed.size(); ++i) search.postponed[i] = keyed[i].candidate;
+}
+
+void QuickConnect::raise_words_of(std::uint32_t row) {
+  PairSearch& search = state_.search;
+  for (const VoteSource::RowWord& w : votes().row_words(row)) {
+    if (search.word_processed[w.word]) continue;
+    queue_.push({++search.priorities[w.word], w.word});
+  }
+}
+
+void QuickConnect::rebuild_queue() {
+  const PairSearch& search = state_.search;
+  std::vector<QueuedWord> words;
+  for (std::uint32_t w = 0; w < search.priorities.size(); ++w) {
+    if (!search.word_processed[w]) words.push_back({search.priorities[w], w});
+  }
+  queue_ = std::priority_queue<QueuedWord>(std::less<QueuedWord>(), std::move(words));
+}
+
+}  // namespace mapweld

@@ -1,0 +1,136 @@
+#include "core/merge/vote_source.h"
+
+#include <algorithm>
+#include <memory>
+
+#include "core/merge/fingerprint.h"
+
+namespace mapweld {
+namespace {
+
+struct Occurrence {
+  std::uint32_t word;
+  std::uint32_t vertex;  // the member's own
+  std::uint16_t count;
+};
+
+// Every word of every image, ordered by image and then word.
+std::vector<Occurrence> occurrences_of(const AppearanceSource& appearances, const MergeMember& member) {
+  std::vector<Occurrence> result;
+  for (std::uint32_t v = 0; v < member.vertices.size(); ++v) {
+    const std::shared_ptr<const AppearanceVector> image = appearances.appearances(member.vertices[v]);
+    const std::vector<Appearance>& all = image->appearances;
+    for (std::size_t from = 0, to = 0; from < all.size(); from = to) {
+      while (to < all.size() && all[to].word == all[from].word) ++to;
+      const auto count = static_cast<std::uint16_t>(std::min<std::size_t>(to - from, 65535));
+      result.push_back({to_index(all[from].word), v, count});
+    }
+  }
+  return result;
+}
+
+std::vector<std::uint32_t> distinct_words(const std::vector<Occurrence>& occurrences) {
+  std::vector<std::uint32_t> words;
+  words.reserve(occurrences.size());
+  for (const Occurrence& o : occurrences) words.push_back(o.word);
+  std::ranges::sort(words);
+  words.erase(std::ranges::unique(words).begin(), words.end());
+  return words;
+}
+
+// Puts the occurrences of known words into postings by word. `word_number` gives a word's index, or kUnknown.
+constexpr std::uint32_t kUnknown = 0xFFFFFFFF;
+void fill_postings(const std::vector<Occurrence>& occurrences, const std::vector<std::uint32_t>& word_number,
+                   std::size_t words, std::vector<std::uint64_t>& offsets, std::vector<Posting>& postings) {
+  offsets.assign(words + 1, 0);
+  for (const Occurrence& o : occurrences) {
+    if (word_number[o.word] != kUnknown) ++offsets[word_number[o.word] + 1];
+  }
+  for (std::size_t w = 0; w < words; ++w) offsets[w + 1] += offsets[w];
+  postings.resize(offsets.back());
+  std::vector<std::uint64_t> next(offsets.begin(), offsets.end() - 1);
+  for (const Occurrence& o : occurrences) {
+    const std::uint32_t word = word_number[o.word];
+    if (word != kUnknown) postings[next[word]++] = {VertexId{o.vertex}, o.count};
+  }
+}
+
+template <typename T>
+std::span<const T> slice(const std::vector<T>& all, const std::vector<std::uint64_t>& offsets, std::uint32_t index) {
+  return std::span(all).subspan(offsets[index], offsets[index + 1] - offsets[index]);
+}
+
+}  // namespace
+
+WordVotes::WordVotes(const AppearanceSource& appearances, const MergeMember& m1, const MergeMember& m2)
+    : rows_(static_cast<std::uint32_t>(m2.vertices.size())), columns_(static_cast<std::uint32_t>(m1.vertices.size())) {
+  const std::vector<Occurrence> of_rows = occurrences_of(appearances, m2);
+  const std::vector<Occurrence> of_columns = occurrences_of(appearances, m1);
+  const std::vector<std::uint32_t> row_words = distinct_words(of_rows), column_words = distinct_words(of_columns);
+  std::uint32_t highest = 0;
+  if (!row_words.empty()) highest = std::max(highest, row_words.back());
+  if (!column_words.empty()) highest = std::max(highest, column_words.back());
+  std::vector<std::uint32_t> word_number(static_cast<std::size_t>(highest) + 1, kUnknown);
+  for (const std::uint32_t word : row_words) {
+    if (!std::ranges::binary_search(column_words, word)) continue;
+    word_number[word] = static_cast<std::uint32_t>(words_.size());
+    words_.push_back(WordId{word});
+  }
+  fill_postings(of_rows, word_number, words_.size(), row_offsets_, row_postings_);
+  fill_postings(of_columns, word_number, words_.size(), column_offsets_, column_postings_);
+
+  row_word_offsets_.assign(1, 0);
+  std::size_t next = 0;
+  for (std::uint32_t row = 0; row < rows_; ++row) {
+    for (; next < of_rows.size() && of_rows[next].vertex == row; ++next) {
+      const std::uint32_t word = word_number[of_rows[next].word];
+      if (word != kUnknown) row_words_.push_back({word, of_rows[next].count});
+    }
+    row_word_offsets_.push_back(row_words_.size());
+  }
+
+  Fingerprint hash;
+  hash.add(rows_);
+  hash.add(columns_);
+  for (std::uint32_t w = 0; w < words_.size(); ++w) {
+    hash.add(to_index(words_[w]));
+    for (const auto& postings : {row_postings(w), column_postings(w)}) {
+      hash.add(postings.size());
+      for (const Posting& p : postings) hash.add((static_cast<std::uint64_t>(to_index(p.vertex)) << 16) | p.count);
+    }
+  }
+  fingerprint_ = hash.value();
+}
+
+std::span<const Posting> WordVotes::row_postings(std::uint32_t word) const {
+  return slice(row_postings_, row_offsets_, word);
+}
+
+std::span<const Posting> WordVotes::column_postings(std::uint32_t word) const {
+  return slice(column_postings_, column_offsets_, word);
+}
+
+std::span<const VoteSource::RowWord> WordVotes::row_words(std::uint32_t row) const {
+  return slice(row_words_, row_word_offsets_, row);
+}
+
+std::uint32_t votes_of_pair(const VoteSource& source, std::uint32_t row, std::uint32_t column, VoteRule rule) {
+  std::uint32_t votes = 0;
+  for (const VoteSource::RowWord& w : source.row_words(row)) {
+    const std::span<const Posting> postings = source.column_postings(w.word);
+    const auto found = std::ranges::lower_bound(postings, VertexId{column}, {}, &Posting::vertex);
+    if (found != postings.end() && found->vertex == VertexId{column}) votes += votes_of(rule, w.count, found->count);
+  }
+  return votes;
+}
+
+void votes_of_row(const VoteSource& source, std::uint32_t row, VoteRule rule, std::vector<std::uint32_t>& votes) {
+  votes.assign(source.columns(), 0);
+  for (const VoteSource::RowWord& w : source.row_words(row)) {
+    for (const Posting& p : source.column_postings(w.word)) {
+      votes[to_index(p.vertex)] += votes_of(rule, w.count, p.count);
+    }
+  }
+}
+
+}  // namespace mapweld
