@@ -3,8 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <opencv2/core/mat.hpp>
 #include <span>
+
+#include <opencv2/core/mat.hpp>
 
 namespace mapweld {
 
@@ -15,7 +16,7 @@ struct DecodeOptions {
 
 struct ImageHeader {
   enum class Format : std::uint8_t { kJpeg, kPng } format = Format::kJpeg;
-  int width_px = 0;   // as stored, before EXIF orientation
+  int width_px = 0;  // as stored, before EXIF orientation
   int height_px = 0;
 };
 

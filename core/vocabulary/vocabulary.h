@@ -32,6 +32,7 @@ class Vocabulary {
 
  private:
   struct Parts;
+  explicit Vocabulary(std::shared_ptr<const Parts> parts);
   std::shared_ptr<const Parts> parts_;
 };
 

@@ -29,10 +29,10 @@ class WordIndex {
 };
 
 struct WordIndexOptions {
-  std::string engine = "hnsw";    // "hnsw" (Malkov & Yashunin 2018), "flann" (Muja & Lowe 2009), "exact"
-  int hnsw_links = 16;            // M
-  int hnsw_build_effort = 200;    // ef_construction
-  int hnsw_search_effort = 0;     // ef; 0: the default, measured to reach at least 97 % recall (docs/vocabulary.md)
+  std::string engine = "hnsw";  // "hnsw" (Malkov & Yashunin 2018), "flann" (Muja & Lowe 2009), "exact"
+  int hnsw_links = 16;          // M
+  int hnsw_build_effort = 200;  // ef_construction
+  int hnsw_search_effort = 0;   // ef; 0: the default, measured to reach at least 97 % recall (docs/vocabulary.md)
   std::uint32_t seed = 1;
 };
 

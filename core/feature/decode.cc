@@ -1,0 +1,104 @@
+#include "core/feature/decode.h"
+
+#include <algorithm>
+#include <array>
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "core/errors.h"
+#include "core/feature/jpeg.h"
+#include "core/feature/png.h"
+
+namespace mapweld {
+namespace {
+
+constexpr std::array<std::uint8_t, 3> kJpegMagic = {0xFF, 0xD8, 0xFF};
+constexpr std::array<std::uint8_t, 8> kPngMagic = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+constexpr std::array<std::uint8_t, 8> kPngHeaderChunk = {0, 0, 0, 13, 'I', 'H', 'D', 'R'};
+
+template <std::size_t N>
+bool starts_with(std::span<const std::uint8_t> bytes, const std::array<std::uint8_t, N>& magic) {
+  return bytes.size() >= N && std::equal(magic.begin(), magic.end(), bytes.begin());
+}
+
+ImageHeader::Format read_format(std::span<const std::uint8_t> bytes) {
+  if (bytes.empty()) throw ImageError("empty_body", "The image has no bytes.");
+  if (starts_with(bytes, kJpegMagic)) return ImageHeader::Format::kJpeg;
+  if (starts_with(bytes, kPngMagic)) return ImageHeader::Format::kPng;
+  throw ImageError("unsupported_image", "Only JPEG and PNG are taken; the first bytes are of neither.");
+}
+
+ImageHeader read_png_header(std::span<const std::uint8_t> bytes) {
+  constexpr std::size_t kSizeAt = kPngMagic.size() + kPngHeaderChunk.size();
+  const std::span<const std::uint8_t> chunk = bytes.subspan(kPngMagic.size());
+  if (bytes.size() < kSizeAt + 8 || !starts_with(chunk, kPngHeaderChunk)) {
+    throw ImageError("undecodable_image", "PNG: the header is cut short or missing.");
+  }
+  const auto number = [&](std::size_t at) {
+    return std::uint32_t{bytes[at]} << 24 | std::uint32_t{bytes[at + 1]} << 16 | std::uint32_t{bytes[at + 2]} << 8 |
+           std::uint32_t{bytes[at + 3]};
+  };
+  const std::uint32_t width = number(kSizeAt);
+  const std::uint32_t height = number(kSizeAt + 4);
+  if (width == 0 || height == 0 || width > INT32_MAX || height > INT32_MAX) {
+    throw ImageError("undecodable_image", "PNG: width or height is out of range.");
+  }
+  return {ImageHeader::Format::kPng, static_cast<int>(width), static_cast<int>(height)};
+}
+
+void refuse_large(int width_px, int height_px, const DecodeOptions& options) {
+  if (std::max(width_px, height_px) > options.max_side_px || std::int64_t{width_px} * height_px > options.max_pixels) {
+    throw ImageError("image_too_large", "The image has " + std::to_string(width_px) + "x" + std::to_string(height_px) +
+                                            " pixels; at most " + std::to_string(options.max_pixels) + " and " +
+                                            std::to_string(options.max_side_px) + " a side are taken.");
+  }
+}
+
+// EXIF orientation names where row 0 and column 0 of the stored image lie in the scene.
+cv::Mat apply_orientation(cv::Mat stored, int orientation) {
+  constexpr int kMirrorX = 1;
+  constexpr int kMirrorY = 0;
+  constexpr int kMirrorBoth = -1;
+  cv::Mat upright = stored;
+  if (orientation >= 5) cv::transpose(stored, upright);
+  cv::Mat result = upright;
+  switch (orientation) {
+    case 2:
+    case 6:
+      cv::flip(upright, result, kMirrorX);
+      break;
+    case 3:
+    case 7:
+      cv::flip(upright, result, kMirrorBoth);
+      break;
+    case 4:
+    case 8:
+      cv::flip(upright, result, kMirrorY);
+      break;
+    default:
+      break;
+  }
+  return result;
+}
+
+}  // namespace
+
+ImageHeader read_image_header(std::span<const std::uint8_t> bytes) {
+  if (read_format(bytes) == ImageHeader::Format::kPng) return read_png_header(bytes);
+  const JpegReader reader(bytes);
+  return {ImageHeader::Format::kJpeg, reader.width_px(), reader.height_px()};
+}
+
+cv::Mat decode_grey(std::span<const std::uint8_t> bytes, const DecodeOptions& options) {
+  if (read_format(bytes) == ImageHeader::Format::kPng) {
+    const ImageHeader header = read_png_header(bytes);
+    refuse_large(header.width_px, header.height_px, options);
+    PngImage image = read_png_grey(bytes);
+    return apply_orientation(std::move(image.grey), image.orientation);
+  }
+  JpegReader reader(bytes);
+  refuse_large(reader.width_px(), reader.height_px(), options);
+  return apply_orientation(reader.read_grey(), reader.orientation());
+}
+
+}  // namespace mapweld

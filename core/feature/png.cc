@@ -1,0 +1,107 @@
+#include "core/feature/png.h"
+
+#include <algorithm>
+#include <csetjmp>
+#include <cstdio>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include <opencv2/imgproc.hpp>
+#include <png.h>
+
+#include "core/errors.h"
+#include "core/feature/exif.h"
+
+namespace mapweld {
+namespace {
+
+// Frames that setjmp returns to hold nothing with a destructor; what needs one lives here.
+struct Reader {
+  std::span<const std::uint8_t> rest;
+  char message[256] = "";
+  png_structp codec = nullptr;
+  png_infop info = nullptr;
+
+  explicit Reader(std::span<const std::uint8_t> bytes) : rest(bytes) {
+    codec = png_create_read_struct(PNG_LIBPNG_VER_STRING, this, on_error, on_warning);
+    if (codec != nullptr) info = png_create_info_struct(codec);
+    if (info == nullptr) {
+      png_destroy_read_struct(&codec, nullptr, nullptr);
+      throw std::bad_alloc();
+    }
+    png_set_read_fn(codec, this, on_read);
+  }
+  ~Reader() { png_destroy_read_struct(&codec, &info, nullptr); }
+  Reader(const Reader&) = delete;
+  Reader& operator=(const Reader&) = delete;
+
+  [[noreturn]] static void on_error(png_structp codec, png_const_charp text) {
+    auto* self = static_cast<Reader*>(png_get_error_ptr(codec));
+    std::snprintf(self->message, sizeof self->message, "%s", text);
+    png_longjmp(codec, 1);
+  }
+  static void on_warning(png_structp, png_const_charp) {}
+  static void on_read(png_structp codec, png_bytep out, std::size_t count) {
+    auto* self = static_cast<Reader*>(png_get_io_ptr(codec));
+    if (count > self->rest.size()) png_error(codec, "the file ends too early");
+    std::memcpy(out, self->rest.data(), count);
+    self->rest = self->rest.subspan(count);
+  }
+
+  bool read_header() {
+    if (setjmp(png_jmpbuf(codec)) != 0) return false;
+    png_read_info(codec, info);
+    const int colour = png_get_color_type(codec, info);
+    const int depth = png_get_bit_depth(codec, info);
+    if (depth == 16) png_set_scale_16(codec);
+    if (colour == PNG_COLOR_TYPE_PALETTE) png_set_palette_to_rgb(codec);
+    if (colour == PNG_COLOR_TYPE_GRAY && depth < 8) png_set_expand_gray_1_2_4_to_8(codec);
+    if ((colour & PNG_COLOR_MASK_ALPHA) != 0) png_set_strip_alpha(codec);
+    png_set_interlace_handling(codec);
+    png_read_update_info(codec, info);
+    return true;
+  }
+
+  bool read_pixels(png_bytepp rows) {
+    if (setjmp(png_jmpbuf(codec)) != 0) return false;
+    png_read_image(codec, rows);
+    png_read_end(codec, info);
+    return true;
+  }
+
+  [[noreturn]] void fail() const { throw ImageError("undecodable_image", std::string("PNG: ") + message); }
+};
+
+}  // namespace
+
+PngImage read_png_grey(std::span<const std::uint8_t> bytes) {
+  Reader reader(bytes);
+  if (!reader.read_header()) reader.fail();
+
+  const auto width = static_cast<int>(png_get_image_width(reader.codec, reader.info));
+  const auto height = static_cast<int>(png_get_image_height(reader.codec, reader.info));
+  const int channels = png_get_channels(reader.codec, reader.info);
+  cv::Mat pixels(height, width, CV_8UC(channels));
+  if (png_get_rowbytes(reader.codec, reader.info) > pixels.step[0] || (channels != 1 && channels != 3)) {
+    throw ImageError("undecodable_image", "PNG: unexpected layout of pixels");
+  }
+  std::vector<png_bytep> rows(static_cast<std::size_t>(height));
+  for (int y = 0; y < height; ++y) rows[static_cast<std::size_t>(y)] = pixels.ptr(y);
+  if (!reader.read_pixels(rows.data())) reader.fail();
+
+  PngImage image;
+  if (channels == 3) {
+    cv::cvtColor(pixels, image.grey, cv::COLOR_RGB2GRAY);
+  } else {
+    image.grey = pixels;
+  }
+  png_bytep exif = nullptr;
+  png_uint_32 exif_bytes = 0;
+  if (png_get_eXIf_1(reader.codec, reader.info, &exif_bytes, &exif) != 0) {
+    image.orientation = read_exif_orientation({exif, exif_bytes});
+  }
+  return image;
+}
+
+}  // namespace mapweld

@@ -1,0 +1,21 @@
+// PNG to grey pixels by libpng. Of an APNG, libpng sees the default image, which is its first frame.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include <opencv2/core/mat.hpp>
+
+namespace mapweld {
+
+// A PNG that was read to its end.
+struct PngImage {
+  cv::Mat grey;         // CV_8UC1; colour by BT.601 as in JPEG, 16 bits scaled to 8, transparency ignored
+  int orientation = 1;  // EXIF, 1..8; not applied
+};
+
+// Throws ImageError undecodable_image: cut short, corrupt, a checksum that does not hold.
+PngImage read_png_grey(std::span<const std::uint8_t> bytes);
+
+}  // namespace mapweld
