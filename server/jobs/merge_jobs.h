@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -11,11 +12,10 @@
 #include <string_view>
 #include <vector>
 
+#include "core/geometry/pair_verifier.h"
 #include "core/types.h"
-
-namespace mapweld {
-class Database;
-}
+#include "schema/merge_store.h"
+#include "schema/store.h"
 
 namespace mapweld::server {
 
@@ -31,18 +31,6 @@ class MergeJobError : public std::runtime_error {
  private:
   std::string code_;
 };
-
-enum class MergeJobState : std::uint8_t {
-  kQueued,
-  kRunning,
-  kPaused,
-  kBudgetExhausted,
-  kCompleted,
-  kCancelled,
-  kFailed
-};
-std::string_view to_string(MergeJobState state);  // the word of http-api.md: "queued", ...
-std::optional<MergeJobState> merge_job_state(std::string_view word);
 
 // What a run may spend; absent: unlimited. Whichever is reached first stops it.
 struct MergeBudget {
@@ -100,7 +88,7 @@ struct CheckpointAge {
 
 struct MergeStatus {
   std::int64_t id = 0;
-  MergeJobState state = MergeJobState::kQueued;
+  JobState state = JobState::kQueued;
   std::string method;
   std::vector<std::string> maps;
   std::string map;  // the merged map's name
@@ -157,20 +145,24 @@ struct Page {
   std::optional<std::string> next;
 };
 
+// Makes the verifier that a job's pairs are put to; called once a run.
+using VerifierFactory = std::function<std::shared_ptr<const PairVerifier>(const VerifierOptions&)>;
+
 struct MergeJobOptions {
+  VerifierFactory verifier;            // required
   int workers = 1;                     // jobs that run at the same time
-  double checkpoint_cost_share = 0.1;  // a checkpoint of d seconds is followed by no other for d / share seconds
-  double checkpoint_interval_s = 0.5;  // aimed at where that allows; at most 1 s of work is then lost
-  double metrics_cost_share = 0.1;     // the same for curve points
-  double progress_interval_s = 0.2;    // how fresh a polled status is
+  double checkpoint_interval_s = 0.5;  // between checkpoints, where they are cheap enough
+  double checkpoint_cost_share = 0.1;  // of a job's time at most: a checkpoint of d seconds waits for d / share more
+  double metrics_interval_s = 0.2;     // the same for curve points with their exact eigenvalues
+  double metrics_cost_share = 0.1;
 };
 
 // Runs merge jobs on worker threads over the store. All functions may be called from any thread; every change is
 // committed before they return.
 class MergeJobs {
  public:
-  // `database` must outlive this.
-  MergeJobs(Database& database, const MergeJobOptions& options = {});
+  // `store` must outlive this.
+  MergeJobs(Store& store, MergeJobOptions options);
   ~MergeJobs();  // shutdown()
   MergeJobs(const MergeJobs&) = delete;
   MergeJobs& operator=(const MergeJobs&) = delete;
@@ -184,7 +176,7 @@ class MergeJobs {
   MergeStatus submit(const MergeRequest& request);
 
   MergeStatus get(std::int64_t id) const;
-  Page<MergeStatus> list(std::optional<MergeJobState> state, std::size_t limit,
+  Page<MergeStatus> list(std::optional<JobState> state, std::size_t limit,
                          const std::optional<std::string>& after) const;  // by id
   Page<MergeCurvePoint> curve(std::int64_t id, std::size_t limit, const std::optional<std::string>& after) const;
   Page<MergeEdgePoint> edges(std::int64_t id, std::size_t limit, const std::optional<std::string>& after) const;
