@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <limits>
-#include <memory>
+#include <numeric>
+#include <utility>
 
 // hnswlib's own SIMD defines functions in the header and speaks of floats only.
 #define NO_MANUAL_VECTORIZATION
@@ -12,6 +14,7 @@
 #include "core/errors.h"
 #include "core/vocabulary/byte_stream.h"
 #include "core/vocabulary/distance.h"
+#include "core/vocabulary/random.h"
 
 namespace mapweld {
 namespace {
@@ -34,19 +37,30 @@ class ByteSpace final : public hnswlib::SpaceInterface<int> {
   Pair pair_ = distance_kernel().pair;
 };
 
-HnswGraph::Level read_level(const hnswlib::HierarchicalNSW<int>& built, std::uint32_t size, int level) {
+// hnswlib numbers nodes as they were inserted: `inserted[i]` is our number of its node i, `place` the inverse.
+HnswGraph::Level read_level(const hnswlib::HierarchicalNSW<int>& built, const std::vector<std::uint32_t>& inserted,
+                            const std::vector<std::uint32_t>& place, int level) {
   HnswGraph::Level out;
-  for (std::uint32_t node = 0; node < size; ++node) {
-    if (built.element_levels_[node] < level) continue;
-    auto* list = built.get_linklist_at_level(node, level);
+  for (std::uint32_t node = 0; node < place.size(); ++node) {
+    if (built.element_levels_[place[node]] < level) continue;
+    auto* list = built.get_linklist_at_level(place[node], level);
     const auto count = built.getListCount(list);
     const auto* first = reinterpret_cast<const std::uint32_t*>(list + 1);
     out.nodes.push_back(node);
-    out.links.insert(out.links.end(), first, first + count);
+    std::transform(first, first + count, std::back_inserter(out.links), [&](std::uint32_t i) { return inserted[i]; });
     std::sort(out.links.end() - count, out.links.end());
     out.offsets.push_back(static_cast<std::uint32_t>(out.links.size()));
   }
   return out;
+}
+
+// Fisher & Yates.
+std::vector<std::uint32_t> shuffled(std::uint32_t size, std::uint32_t seed) {
+  std::vector<std::uint32_t> order(size);
+  std::iota(order.begin(), order.end(), 0u);
+  SplitMix64 random(seed);
+  for (std::uint32_t i = size; i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
+  return order;
 }
 
 // Differences of an ascending list are small numbers; their bytes, plane by plane, compress well.
@@ -119,11 +133,16 @@ HnswGraph build_hnsw_graph(std::span<const std::uint8_t> points, const HnswBuild
   ByteSpace space;
   hnswlib::HierarchicalNSW<int> built(&space, graph.size, static_cast<std::size_t>(options.links),
                                       static_cast<std::size_t>(options.build_effort), options.seed);
-  for (std::uint32_t node = 0; node < graph.size; ++node) {
-    built.addPoint(points.data() + std::size_t{node} * kDescriptorDimension, node);
+  const std::vector<std::uint32_t> inserted = shuffled(graph.size, options.seed);
+  std::vector<std::uint32_t> place(graph.size);
+  for (std::uint32_t i = 0; i < graph.size; ++i) {
+    built.addPoint(points.data() + std::size_t{inserted[i]} * kDescriptorDimension, i);
+    place[inserted[i]] = i;
   }
-  graph.entry = built.enterpoint_node_;
-  for (int level = 0; level <= built.maxlevel_; ++level) graph.levels.push_back(read_level(built, graph.size, level));
+  graph.entry = inserted[built.enterpoint_node_];
+  for (int level = 0; level <= built.maxlevel_; ++level) {
+    graph.levels.push_back(read_level(built, inserted, place, level));
+  }
   return graph;
 }
 

@@ -29,7 +29,8 @@ struct HnswBuildOptions {
   std::uint32_t seed = 1;
 };
 
-// Builds the graph over `points` (N x 128 bytes, row-major), inserted in order by one thread: repeatable.
+// Builds the graph over `points` (N x 128 bytes, row-major), inserted by one thread in an order shuffled by the seed
+// (points that come sorted would make a worse graph): repeatable.
 HnswGraph build_hnsw_graph(std::span<const std::uint8_t> points, const HnswBuildOptions& options);
 
 // Bytes that compress well (docs/vocabulary.md, "The graph"), and back. Throws FormatError for torn bytes, a link that
