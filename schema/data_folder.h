@@ -14,7 +14,7 @@ inline constexpr std::int32_t kApplicationId = 0x4D574C44;
 
 struct DataFolderOptions {
   // kServe: takes the lock, creates what is missing, brings an older schema up to date.
-  // kInspect: takes no lock, changes nothing, reads only; also beside a running server.
+  // kInspect: changes nothing, reads only, also beside a running server; keeps a server from starting when none runs.
   enum class Access : std::uint8_t { kServe, kInspect } access = Access::kServe;
   StoreOptions store;
 };
@@ -26,7 +26,9 @@ struct DataFolderOptions {
 // - An older schema is brought up to date, one transaction a version.
 // - Refused, and nothing changed: a folder in use by another process (kFolderInUse), a database of another application
 // or
-//   a file that is none (kForeignDatabase), of a newer version (kNewerVersion), no rights (kNoPermission), no space.
+//   a file that is none (kForeignDatabase), of a newer version (kNewerVersion), a WAL without its database (kCorrupt),
+//   no rights (kNoPermission), no space (kNoSpace). When inspecting, also no database (kNotFound) and an older schema
+//   (kOlderVersion).
 class DataFolder {
  public:
   explicit DataFolder(const std::filesystem::path& folder, const DataFolderOptions& options = {});
@@ -43,6 +45,7 @@ class DataFolder {
   class Lock;
   std::filesystem::path folder_;
   std::unique_ptr<Lock> lock_;
+  std::unique_ptr<sqlite::Connection> keeper_;  // inspecting alone: clears the WAL's files away when it closes last
   std::unique_ptr<Store> store_;
   int version_found_ = 0;
 };

@@ -30,6 +30,8 @@ struct LayoutNode {
   std::vector<LayoutSpan> spans;  // ascending by `first` and by `node_first`; together they cover [0, watermark)
   // The map's number of a vertex of this node, nullopt beyond the watermark.
   std::optional<VertexId> number(VertexId node_vertex) const;
+  // The other way: this node's number of a vertex of the map, nullopt when it belongs to other nodes.
+  std::optional<VertexId> node_vertex(VertexId vertex) const;
 };
 
 // Where a vertex really lives: a plain map and its number there.

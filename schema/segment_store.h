@@ -45,6 +45,9 @@ struct SegmentStatistics {
 // only to store each finished segment, so uploads go on. Call it in the background, from one thread at a time; a map
 // that is deleted meanwhile is passed over. Safe to stop at any moment: each segment is one transaction.
 SegmentStatistics write_due_segments(Store& store, const SegmentOptions& options = {});
+// Of one map and vocabulary.
+SegmentStatistics write_due_segments(Store& store, MapId map, VocabularyId vocabulary,
+                                     const SegmentOptions& options = {});
 
 // Drops all segments of a map; appearances answer until they are written again.
 void drop_segments(WriteTransaction& db, MapId map, VocabularyId vocabulary);

@@ -124,14 +124,15 @@ class Store {
   std::unique_ptr<sqlite::Connection> open_reader();
   void give_back(std::unique_ptr<sqlite::Connection> reader) noexcept;
   void after_commit() noexcept;
-  void move_wal(bool restart) noexcept;
+  bool move_wal(int how) noexcept;  // one of SQLITE_CHECKPOINT_*; true when all of it was moved
 
   std::filesystem::path file_;
   StoreOptions options_;
   std::mutex writer_turn_;
   std::unique_ptr<sqlite::Connection> writer_;
-  std::uint32_t wal_pages_ = 0;  // told by SQLite after each commit; guarded by writer_turn_
-  mutable std::mutex mutex_;     // guards what follows
+  std::uint32_t wal_pages_ = 0;              // told by SQLite after each commit; guarded by writer_turn_
+  std::uint32_t next_checkpoint_pages_ = 0;  // guarded by writer_turn_
+  mutable std::mutex mutex_;                 // guards what follows
   std::vector<std::unique_ptr<sqlite::Connection>> idle_readers_;
   StoreStatistics statistics_;
 };

@@ -16,6 +16,8 @@ enum class StoreErrorKind : std::uint8_t {
   kCorrupt,          // the file, or a blob in it, is damaged (checksum, magic, truncated, broken invariant)
   kForeignDatabase,  // the file belongs to another application, or is no SQLite database at all
   kNewerVersion,     // written by a newer Mapweld: its schema version, or a blob's
+  kOlderVersion,     // an older Mapweld's schema, where nothing may be changed: start the server once
+  kNotFound,         // there is no database
   kFolderInUse,      // another process serves this data folder
   kNoPermission,     // the folder or file cannot be read or written with this user's rights
   kConstraint,       // a row breaks a constraint of its table: a broken request of the caller, never of a user

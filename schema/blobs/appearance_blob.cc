@@ -1,0 +1,94 @@
+#include "schema/blobs/appearance_blob.h"
+
+#include <cmath>
+
+#include "core/errors.h"
+#include "core/vocabulary/appearance_vector.h"
+
+namespace mapweld::blobs {
+namespace {
+
+constexpr char kFormat = 'A';
+constexpr std::uint8_t kVersion = 1;
+
+float from_grid(std::uint16_t value, float steps_per_unit) { return static_cast<float>(value) / steps_per_unit; }
+
+std::uint16_t to_grid(float value, float steps_per_unit) {
+  const float steps = std::round(value * steps_per_unit);
+  if (!(steps >= 0.0f && steps <= 65535.0f) || from_grid(static_cast<std::uint16_t>(steps), steps_per_unit) != value) {
+    throw FormatError("an appearance does not lie on the grid");
+  }
+  return static_cast<std::uint16_t>(steps);
+}
+
+struct Head {
+  int width_px;
+  int height_px;
+  std::uint32_t appearances;
+};
+
+Head read_head(ByteReader& reader) {
+  Head head{};
+  head.width_px = static_cast<int>(reader.varint32(INT32_MAX));
+  head.height_px = static_cast<int>(reader.varint32(INT32_MAX));
+  head.appearances = reader.varint32(reader.left());
+  return head;
+}
+
+}  // namespace
+
+Bytes encode_appearances(const AppearanceVector& image) {
+  if (image.width_px < 0 || image.height_px < 0) throw FormatError("an image has a negative size");
+  ByteWriter writer(kFormat, kVersion);
+  writer.reserve(16 + image.appearances.size() * 10);
+  writer.varint(static_cast<std::uint64_t>(image.width_px));
+  writer.varint(static_cast<std::uint64_t>(image.height_px));
+  writer.varint(image.appearances.size());
+  std::uint32_t previous = 0;
+  for (const Appearance& a : image.appearances) {
+    const std::uint32_t word = to_index(a.word);
+    if (word < previous) throw FormatError("appearances are not sorted by word");
+    writer.varint(word - previous);
+    previous = word;
+  }
+  for (const Appearance& a : image.appearances) writer.u16(to_grid(a.x_px, kPositionsPerPixel));
+  for (const Appearance& a : image.appearances) writer.u16(to_grid(a.y_px, kPositionsPerPixel));
+  for (const Appearance& a : image.appearances) writer.u16(to_grid(a.scale_px, kScalesPerPixel));
+  for (const Appearance& a : image.appearances) writer.u16(to_grid(a.angle_deg, kAnglesPerDegree));
+  return std::move(writer).finish();
+}
+
+AppearanceVector decode_appearances(std::span<const std::uint8_t> blob) {
+  ByteReader reader(blob, kFormat, kVersion);
+  const Head head = read_head(reader);
+  AppearanceVector image;
+  image.width_px = head.width_px;
+  image.height_px = head.height_px;
+  image.appearances.resize(head.appearances);
+  std::uint64_t word = 0;
+  for (Appearance& a : image.appearances) {
+    word += reader.varint();
+    if (word > UINT32_MAX) reader.corrupt("a word is too large");
+    a.word = WordId{static_cast<std::uint32_t>(word)};
+  }
+  for (Appearance& a : image.appearances) a.x_px = from_grid(reader.u16(), kPositionsPerPixel);
+  for (Appearance& a : image.appearances) a.y_px = from_grid(reader.u16(), kPositionsPerPixel);
+  for (Appearance& a : image.appearances) a.scale_px = from_grid(reader.u16(), kScalesPerPixel);
+  for (Appearance& a : image.appearances) a.angle_deg = from_grid(reader.u16(), kAnglesPerDegree);
+  reader.finish();
+  return image;
+}
+
+void decode_words(std::span<const std::uint8_t> blob, std::vector<WordId>& words) {
+  ByteReader reader(blob, kFormat, kVersion);
+  const Head head = read_head(reader);
+  words.resize(head.appearances);
+  std::uint64_t word = 0;
+  for (WordId& id : words) {
+    word += reader.varint();
+    if (word > UINT32_MAX) reader.corrupt("a word is too large");
+    id = WordId{static_cast<std::uint32_t>(word)};
+  }
+}
+
+}  // namespace mapweld::blobs

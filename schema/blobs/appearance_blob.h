@@ -1,0 +1,25 @@
+// The appearance vector of one image as bytes: 9 to 10 bytes an appearance, exact.
+//
+// Frame 'A', version 1 (byte_stream.h). Payload: varint width_px, varint height_px, varint n; then n varints, each
+// word's distance from the word before it (from 0 for the first); then four columns of n little-endian u16: x and y in
+// 1/8 px, scale in 1/64 px, angle in 360/65536 degrees (the grid of core/vocabulary/appearance_vector.h).
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "core/types.h"
+#include "schema/blobs/byte_stream.h"
+
+namespace mapweld::blobs {
+
+// Throws FormatError when an appearance does not lie on the grid or the words do not ascend.
+Bytes encode_appearances(const AppearanceVector& image);
+
+// Bit for bit what was encoded. Throws StoreError (kCorrupt, kNewerVersion).
+AppearanceVector decode_appearances(std::span<const std::uint8_t> blob);
+
+// Only the words, ascending, as often as they appear: what an inverted index needs.
+void decode_words(std::span<const std::uint8_t> blob, std::vector<WordId>& words);
+
+}  // namespace mapweld::blobs

@@ -1,0 +1,122 @@
+#include "schema/blobs/posting_blob.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/errors.h"
+
+namespace mapweld::blobs {
+namespace {
+
+constexpr char kFormat = 'P';
+constexpr std::uint8_t kVersion = 1;
+
+void append_varint(Bytes& bytes, std::uint64_t value) {
+  for (; value >= 0x80; value >>= 7) bytes.push_back(static_cast<std::uint8_t>(value | 0x80));
+  bytes.push_back(static_cast<std::uint8_t>(value));
+}
+
+[[noreturn]] void corrupt(const char* what) {
+  throw StoreError(StoreErrorKind::kCorrupt, std::string("blob 'P' is damaged: ") + what);
+}
+
+std::uint64_t read_varint(const std::uint8_t*& at, const std::uint8_t* end) {
+  std::uint64_t value = 0;
+  for (int shift = 0; shift < 35; shift += 7) {
+    if (at == end) corrupt("a list ends too early");
+    const std::uint8_t byte = *at++;
+    value |= std::uint64_t{byte & 0x7fU} << shift;
+    if (byte < 0x80) return value;
+  }
+  corrupt("a varint does not end");
+}
+
+}  // namespace
+
+PostingBlockWriter::PostingBlockWriter(VertexId first_vertex, std::size_t target_bytes)
+    : first_vertex_(first_vertex), target_bytes_(target_bytes) {}
+
+void PostingBlockWriter::add(WordId word, std::span<const Posting> postings) {
+  if (postings.empty()) return;
+  const std::size_t begin = lists_.size();
+  std::uint32_t next = to_index(first_vertex_);
+  for (const Posting& posting : postings) {
+    const std::uint32_t vertex = to_index(posting.vertex);
+    if (vertex < next || posting.count == 0) throw FormatError("postings do not ascend, or count nothing");
+    const bool more = posting.count > 1;
+    append_varint(lists_, std::uint64_t{vertex - next} << 1 | static_cast<std::uint64_t>(more));
+    if (more) append_varint(lists_, posting.count - 2U);
+    next = vertex + 1;
+  }
+  directory_.emplace_back(word, static_cast<std::uint32_t>(lists_.size() - begin));
+  if (lists_.size() + 3 * directory_.size() >= target_bytes_) close();
+}
+
+void PostingBlockWriter::close() {
+  if (directory_.empty()) return;
+  ByteWriter writer(kFormat, kVersion);
+  writer.reserve(lists_.size() + 4 * directory_.size() + 8);
+  writer.varint(directory_.size());
+  std::uint32_t previous = 0;
+  for (const auto& [word, bytes] : directory_) {
+    if (to_index(word) < previous) throw FormatError("words do not ascend");
+    writer.varint(to_index(word) - previous);
+    writer.varint(bytes);
+    previous = to_index(word);
+  }
+  writer.raw(lists_);
+  blocks_.push_back({directory_.front().first, std::move(writer).finish()});
+  directory_.clear();
+  lists_.clear();
+}
+
+std::vector<PostingBlockWriter::Block> PostingBlockWriter::finish() && {
+  close();
+  return std::move(blocks_);
+}
+
+PostingBlock::PostingBlock(std::span<const std::uint8_t> blob, VertexId first_vertex, std::uint32_t vertices)
+    : first_vertex_(to_index(first_vertex)), vertices_(vertices) {
+  ByteReader reader(blob, kFormat, kVersion);
+  directory_.resize(reader.varint32(reader.left()));
+  std::uint64_t word = 0;
+  std::uint64_t offset = 0;
+  for (Entry& entry : directory_) {
+    const std::uint64_t step = reader.varint();
+    if (step == 0 && &entry != directory_.data()) reader.corrupt("words do not ascend");
+    word += step;
+    if (step > UINT32_MAX || word > UINT32_MAX) reader.corrupt("a word is too large");
+    entry.word = WordId{static_cast<std::uint32_t>(word)};
+    entry.begin = static_cast<std::uint32_t>(offset);
+    offset += reader.varint32(blob.size());
+    if (offset > blob.size()) reader.corrupt("a list lies outside");
+    entry.end = static_cast<std::uint32_t>(offset);
+  }
+  lists_ = reader.raw(offset);
+  reader.finish();
+}
+
+void PostingBlock::postings(std::size_t i, std::vector<Posting>& out) const {
+  const Entry& entry = directory_[i];
+  const std::uint8_t* at = lists_.data() + entry.begin;
+  const std::uint8_t* end = lists_.data() + entry.end;
+  std::uint64_t next = 0;
+  while (at != end) {
+    const std::uint64_t head = read_varint(at, end);
+    const std::uint64_t vertex = next + (head >> 1);
+    if (vertex >= vertices_) corrupt("a posting lies outside its segment");
+    std::uint64_t count = 1;
+    if ((head & 1) != 0) count = 2 + read_varint(at, end);
+    if (count > UINT16_MAX) corrupt("a count is too large");
+    out.push_back({VertexId{static_cast<std::uint32_t>(first_vertex_ + vertex)}, static_cast<std::uint16_t>(count)});
+    next = vertex + 1;
+  }
+}
+
+void PostingBlock::find(WordId word, std::vector<Posting>& out) const {
+  const auto found = std::ranges::lower_bound(directory_, word, {}, &Entry::word);
+  if (found == directory_.end() || found->word != word) return;
+  postings(static_cast<std::size_t>(found - directory_.begin()), out);
+}
+
+}  // namespace mapweld::blobs

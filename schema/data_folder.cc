@@ -1,0 +1,185 @@
+#include "schema/data_folder.h"
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include "schema/migrations.h"
+
+namespace mapweld {
+namespace {
+
+namespace fs = std::filesystem;
+
+StoreError system_error_of(int error, const std::string& doing) {
+  StoreErrorKind kind = StoreErrorKind::kIo;
+  if (error == ENOSPC || error == EDQUOT) kind = StoreErrorKind::kNoSpace;
+  if (error == EACCES || error == EPERM || error == EROFS) kind = StoreErrorKind::kNoPermission;
+  return StoreError(kind, doing + ": " + std::strerror(error));
+}
+
+std::uint32_t big_endian(const std::array<unsigned char, 100>& header, std::size_t at) {
+  return std::uint32_t{header[at]} << 24 | std::uint32_t{header[at + 1]} << 16 | std::uint32_t{header[at + 2]} << 8 |
+         header[at + 3];
+}
+
+// Looks at the file's header without SQLite, which might repair, lock or leave files beside a database that is not ours
+// (https://www.sqlite.org/fileformat.html, "The Database Header"). False: there is no database yet.
+bool check_header(const fs::path& file) {
+  std::error_code error;
+  const auto bytes = fs::file_size(file, error);
+  if (error == std::errc::no_such_file_or_directory) return false;
+  if (error) throw system_error_of(error.value(), "cannot read " + file.string());
+  if (bytes == 0) return false;
+
+  std::array<unsigned char, 100> header{};
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw StoreError(StoreErrorKind::kNoPermission, "cannot read " + file.string());
+  in.read(reinterpret_cast<char*>(header.data()), static_cast<std::streamsize>(header.size()));
+  constexpr std::string_view kMagic("SQLite format 3\0", 16);
+  if (in.gcount() != static_cast<std::streamsize>(header.size()) ||
+      std::memcmp(header.data(), kMagic.data(), kMagic.size()) != 0) {
+    throw StoreError(StoreErrorKind::kForeignDatabase, file.string() + " is not an SQLite database");
+  }
+  constexpr std::size_t kUserVersionAt = 60;
+  constexpr std::size_t kApplicationIdAt = 68;
+  if (big_endian(header, kApplicationIdAt) != static_cast<std::uint32_t>(kApplicationId)) {
+    throw StoreError(StoreErrorKind::kForeignDatabase,
+                     file.string() + " is the database of another application, not Mapweld's");
+  }
+  const auto version = static_cast<int>(big_endian(header, kUserVersionAt));
+  if (version > schema_version()) {
+    throw StoreError(StoreErrorKind::kNewerVersion, file.string() + " has schema version " + std::to_string(version) +
+                                                        "; this program knows versions up to " +
+                                                        std::to_string(schema_version()) + ": install a newer Mapweld");
+  }
+  return true;
+}
+
+void sync_folder(const fs::path& folder) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) throw system_error_of(errno, "cannot open " + folder.string());
+  const int result = ::fsync(descriptor);
+  const int error = errno;
+  ::close(descriptor);
+  if (result != 0) throw system_error_of(error, "cannot sync " + folder.string());
+}
+
+// The database appears under its name when it is complete.
+void create_database(const fs::path& file) {
+  fs::path fresh = file;
+  fresh += ".new";
+  fs::path journal = fresh;
+  journal += "-journal";
+  std::error_code ignored;
+  fs::remove(fresh, ignored);
+  fs::remove(journal, ignored);
+  try {
+    sqlite::Connection connection(fresh, sqlite::OpenMode::kCreate);
+    migrate(connection, migrations());
+  } catch (...) {
+    fs::remove(fresh, ignored);
+    fs::remove(journal, ignored);
+    throw;
+  }
+  std::error_code error;
+  fs::rename(fresh, file, error);
+  if (error) throw system_error_of(error.value(), "cannot create " + file.string());
+  sync_folder(file.parent_path());
+}
+
+}  // namespace
+
+class DataFolder::Lock {
+ public:
+  // Not taken when another process has it: ask held().
+  explicit Lock(const fs::path& file) {
+    descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    if (descriptor_ < 0) throw system_error_of(errno, "cannot open " + file.string());
+    if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) {
+      held_ = true;
+      // For people only: a reader of this file may find a process that is gone.
+      const std::string text = std::to_string(::getpid()) + "\n";
+      if (::ftruncate(descriptor_, 0) != 0 || ::pwrite(descriptor_, text.data(), text.size(), 0) < 0) holder_.clear();
+      return;
+    }
+    const int error = errno;
+    if (error != EWOULDBLOCK) {
+      ::close(descriptor_);
+      throw system_error_of(error, "cannot lock " + file.string());
+    }
+    std::array<char, 32> text{};
+    const auto length = ::pread(descriptor_, text.data(), text.size(), 0);
+    if (length > 0) holder_ = std::string(text.data(), std::strcspn(text.data(), "\n"));
+  }
+  ~Lock() { ::close(descriptor_); }
+  Lock(const Lock&) = delete;
+  Lock& operator=(const Lock&) = delete;
+
+  bool held() const { return held_; }
+  const std::string& holder() const { return holder_; }
+
+ private:
+  int descriptor_ = -1;
+  bool held_ = false;
+  std::string holder_;
+};
+
+DataFolder::DataFolder(const fs::path& folder, const DataFolderOptions& options) : folder_(folder) {
+  const bool serve = options.access == DataFolderOptions::Access::kServe;
+  const fs::path file = folder_ / "mapweld.db";
+  const fs::path wal = folder_ / "mapweld.db-wal";
+
+  // Before anything is made in the folder: a foreign database stays as it is, without even a lock beside it.
+  bool exists = check_header(file);
+  if (!exists && !serve) throw StoreError(StoreErrorKind::kNotFound, "there is no database in " + folder_.string());
+  if (serve) {
+    std::error_code error;
+    fs::create_directories(folder_, error);
+    if (error) throw system_error_of(error.value(), "cannot create the data folder " + folder_.string());
+  }
+
+  lock_ = std::make_unique<Lock>(folder_ / "mapweld.lock");
+  if (serve && !lock_->held()) {
+    const std::string holder = lock_->holder().empty() ? "" : " (process " + lock_->holder() + ")";
+    throw StoreError(StoreErrorKind::kFolderInUse, "the data folder " + folder_.string() +
+                                                       " is in use by another server" + holder +
+                                                       "; stop it or choose another folder");
+  }
+
+  exists = check_header(file);
+  if (!exists && fs::exists(wal)) {
+    throw StoreError(StoreErrorKind::kCorrupt, wal.string() + " stands without its database " + file.string() +
+                                                   ": put the database back, or remove the WAL to begin anew");
+  }
+  if (!exists) create_database(file);
+  StoreOptions store_options = options.store;
+  if (serve) {
+    sqlite::Connection connection(file, sqlite::OpenMode::kReadWrite);
+    version_found_ = migrate(connection, migrations());
+    if (!exists) version_found_ = 0;
+  } else {
+    if (lock_->held()) keeper_ = std::make_unique<sqlite::Connection>(file, sqlite::OpenMode::kReadWrite);
+    store_options.read_only = true;
+    sqlite::Connection connection(file, sqlite::OpenMode::kReadOnly);
+    version_found_ = static_cast<int>(connection.query_integer("PRAGMA user_version"));
+    if (version_found_ < schema_version()) {
+      throw StoreError(StoreErrorKind::kOlderVersion,
+                       file.string() + " has schema version " + std::to_string(version_found_) + ", this program " +
+                           std::to_string(schema_version()) + ": start the server once to bring it up to date");
+    }
+  }
+  store_ = std::make_unique<Store>(file, store_options);
+}
+
+DataFolder::~DataFolder() = default;
+
+}  // namespace mapweld

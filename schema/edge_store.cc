@@ -1,0 +1,215 @@
+#include "schema/edge_store.h"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+#include "schema/blobs/evidence_blob.h"
+
+namespace mapweld {
+namespace {
+
+constexpr std::string_view kColumns =
+    "SELECT id, u, v, votes, inliers, log10_false_alarms, confirmed, job, verifications, elapsed_s FROM edges ";
+
+EdgeRow read_row(const sqlite::Statement& row) {
+  EdgeRow edge;
+  edge.id = row.id<EdgeId>(0);
+  edge.u = row.id<VertexId>(1);
+  edge.v = row.id<VertexId>(2);
+  edge.votes = static_cast<std::uint32_t>(row.integer(3));
+  edge.inliers = static_cast<std::uint32_t>(row.integer(4));
+  edge.log10_false_alarms = row.real(5);
+  edge.confirmed = row.integer(6) != 0;
+  edge.inter = !row.is_null(7);
+  if (edge.inter) edge.job = row.id<JobId>(7);
+  edge.verifications = static_cast<std::uint64_t>(row.integer(8));
+  edge.elapsed_s = row.real(9);
+  return edge;
+}
+
+// The edge as the layout numbers it; its ends keep their order, since numbers grow together.
+EdgeRow renumber(EdgeRow edge, const LayoutNode& node) {
+  edge.u = *node.number(edge.u);
+  edge.v = *node.number(edge.v);
+  return edge;
+}
+
+// Can this node have edges that pass the filter?
+bool passes(const LayoutNode& node, const EdgeFilter& filter) {
+  return !filter.inter || *filter.inter == (node.kind == MapKind::kMerged);
+}
+
+constexpr std::string_view kVisible = "map = ?1 AND v < ?2 AND inliers >= ?3 AND (?4 IS NULL OR confirmed = ?4) ";
+
+void bind_visible(sqlite::Statement& statement, const LayoutNode& node, const EdgeFilter& filter) {
+  statement.bind_all(node.map, node.watermark, filter.min_inliers, filter.confirmed);
+}
+
+}  // namespace
+
+VerifierId intern_verifier(WriteTransaction& db, std::string_view version, std::string_view parameters) {
+  db.prepare("INSERT INTO verifiers (version, parameters) VALUES (?, ?) ON CONFLICT DO NOTHING")
+      .bind_all(version, parameters)
+      .run();
+  sqlite::Statement row = db.prepare("SELECT id FROM verifiers WHERE version = ? AND parameters = ?");
+  row.bind_all(version, parameters).step();
+  return row.id<VerifierId>(0);
+}
+
+void insert_edges(WriteTransaction& db, MapId map, std::span<const NewEdge> edges, VerifierId verifier,
+                  std::optional<JobId> job) {
+  if (edges.empty()) return;
+  sqlite::Statement counted = db.prepare(
+      "UPDATE maps SET edges = edges + ?2, revision = revision + ?3 WHERE id = ?1 AND (kind = 'merged') = ?3 "
+      "RETURNING vertices");
+  counted.bind_all(map, edges.size(), job.has_value() ? 1 : 0);
+  if (!counted.step()) {
+    throw StoreError(StoreErrorKind::kConstraint, "inner edges belong to plain maps, inter edges to merged ones");
+  }
+  const std::int64_t vertices = counted.integer(0);
+  counted.run();
+  sqlite::Statement insert = db.prepare(
+      "INSERT INTO edges (map, u, v, votes, matches, inliers, log10_false_alarms, evidence, verifier, confirmed, job, "
+      "verifications, elapsed_s) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+  for (const NewEdge& edge : edges) {
+    if (to_index(edge.v) >= vertices) throw StoreError(StoreErrorKind::kConstraint, "an edge leaves its map");
+    const Verification& verdict = edge.verification;
+    const blobs::Bytes evidence = blobs::encode_evidence(verdict);
+    insert
+        .bind_all(map, edge.u, edge.v, edge.votes, verdict.matches, verdict.inliers, verdict.log10_false_alarms,
+                  std::span<const std::uint8_t>(evidence), verifier, edge.confirmed ? 1 : 0, job,
+                  job ? std::optional(edge.verifications) : std::nullopt,
+                  job ? std::optional(edge.elapsed_s) : std::nullopt)
+        .run();
+  }
+}
+
+EdgePage list_edges(const Reader& db, const MapLayout& layout, const EdgeFilter& filter, std::size_t limit,
+                    EdgeCursor after) {
+  EdgePage page;
+  const auto& nodes = layout.nodes();
+  for (std::uint32_t n = after.node; n < nodes.size(); ++n) {
+    const LayoutNode& node = nodes[n];
+    const std::int64_t after_edge = n == after.node ? after.edge : 0;
+    if (!passes(node, filter)) continue;
+    if (page.edges.size() == limit) {
+      page.next = EdgeCursor{n, after_edge};
+      return page;
+    }
+    sqlite::Statement row =
+        db.prepare(std::string(kColumns) + "WHERE " + std::string(kVisible) + "AND id > ?5 ORDER BY id LIMIT ?6");
+    bind_visible(row, node, filter);
+    // One more than asked for tells whether there is a next page.
+    row.bind(5, after_edge).bind(6, limit - page.edges.size() + 1);
+    while (row.step()) {
+      if (page.edges.size() == limit) {
+        page.next = EdgeCursor{n, to_index(page.edges.back().id)};
+        return page;
+      }
+      page.edges.push_back(renumber(read_row(row), node));
+    }
+  }
+  return page;
+}
+
+std::vector<EdgeRow> list_merge_edges(const Reader& db, JobId job, std::size_t limit, std::optional<EdgeId> after) {
+  sqlite::Statement row = db.prepare(std::string(kColumns) + "WHERE job = ? AND id > ? ORDER BY id LIMIT ?");
+  row.bind_all(job, after.value_or(EdgeId{0}), limit);
+  std::vector<EdgeRow> edges;
+  while (row.step()) edges.push_back(read_row(row));
+  return edges;
+}
+
+std::vector<Edge> load_edges(const Reader& db, const MapLayout& layout, const EdgeFilter& filter) {
+  std::vector<Edge> edges;
+  for (const LayoutNode& node : layout.nodes()) {
+    if (!passes(node, filter)) continue;
+    sqlite::Statement row =
+        db.prepare("SELECT u, v, inliers FROM edges WHERE " + std::string(kVisible) + "ORDER BY id");
+    bind_visible(row, node, filter);
+    while (row.step()) {
+      edges.push_back({*node.number(row.id<VertexId>(0)), *node.number(row.id<VertexId>(1)),
+                       static_cast<std::uint32_t>(row.integer(2))});
+    }
+  }
+  return edges;
+}
+
+std::uint64_t count_edges(const Reader& db, const MapLayout& layout, const EdgeFilter& filter) {
+  std::uint64_t count = 0;
+  for (const LayoutNode& node : layout.nodes()) {
+    if (!passes(node, filter)) continue;
+    if (filter.min_inliers == 0 && !filter.confirmed) {
+      // Everything shows through: the map's own counter is the answer.
+      const auto map = find_map(db, node.map);
+      if (map && map->vertices == node.watermark) {
+        count += map->edges;
+        continue;
+      }
+    }
+    sqlite::Statement row = db.prepare("SELECT count(*) FROM edges WHERE " + std::string(kVisible));
+    bind_visible(row, node, filter);
+    row.step();
+    count += static_cast<std::uint64_t>(row.integer(0));
+  }
+  return count;
+}
+
+std::vector<EdgeRow> list_own_edges_at(const Reader& db, MapId map, VertexId vertex) {
+  sqlite::Statement row = db.prepare(std::string(kColumns) + "WHERE map = ?1 AND u = ?2 UNION ALL " +
+                                     std::string(kColumns) + "WHERE map = ?1 AND v = ?2 ORDER BY id");
+  row.bind_all(map, vertex);
+  std::vector<EdgeRow> edges;
+  while (row.step()) edges.push_back(read_row(row));
+  return edges;
+}
+
+std::vector<EdgeRow> list_edges_at(const Reader& db, const MapLayout& layout, VertexId vertex) {
+  std::vector<EdgeRow> edges;
+  for (const LayoutNode& node : layout.nodes()) {
+    const auto own = node.node_vertex(vertex);
+    if (!own) continue;
+    for (const EdgeRow& edge : list_own_edges_at(db, node.map, *own)) {
+      if (to_index(edge.v) < node.watermark) edges.push_back(renumber(edge, node));
+    }
+  }
+  return edges;
+}
+
+std::optional<EdgeRow> find_own_edge(const Reader& db, MapId map, VertexId u, VertexId v) {
+  sqlite::Statement row = db.prepare(std::string(kColumns) + "WHERE map = ? AND u = ? AND v = ?");
+  if (!row.bind_all(map, std::min(u, v), std::max(u, v)).step()) return std::nullopt;
+  return read_row(row);
+}
+
+EdgeEvidence load_edge_evidence(const Reader& db, EdgeId edge) {
+  EdgeEvidence evidence;
+  {
+    sqlite::Statement row = db.prepare(std::string(kColumns) + "WHERE id = ?");
+    if (!row.bind(1, edge).step()) {
+      throw std::out_of_range("there is no edge " + std::to_string(to_index(edge)));
+    }
+    evidence.edge = read_row(row);
+  }
+  sqlite::Statement row = db.prepare(
+      "SELECT matches, evidence, version, parameters FROM edges JOIN verifiers ON verifiers.id = verifier "
+      "WHERE edges.id = ?");
+  row.bind(1, edge).step();
+  Verification& verdict = evidence.verification;
+  verdict.accepted = true;
+  verdict.matches = static_cast<int>(row.integer(0));
+  verdict.inliers = static_cast<int>(evidence.edge.inliers);
+  verdict.log10_false_alarms = evidence.edge.log10_false_alarms;
+  blobs::decode_evidence(row.blob(1), verdict);
+  evidence.verifier_version = row.text(2);
+  evidence.verifier_parameters = row.text(3);
+  return evidence;
+}
+
+void set_confirmed(WriteTransaction& db, std::span<const EdgeId> edges, bool confirmed) {
+  sqlite::Statement update = db.prepare("UPDATE edges SET confirmed = ? WHERE id = ?");
+  for (const EdgeId edge : edges) update.bind_all(confirmed ? 1 : 0, edge).run();
+}
+
+}  // namespace mapweld

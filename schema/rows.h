@@ -1,0 +1,35 @@
+// How shared values stand in columns.
+#pragma once
+
+#include <algorithm>
+
+#include "schema/database.h"
+#include "schema/store_types.h"
+
+namespace mapweld::rows {
+
+inline std::int64_t microseconds(Timestamp time) { return time.time_since_epoch().count(); }
+
+inline std::optional<std::int64_t> microseconds(const std::optional<Timestamp>& time) {
+  if (!time) return std::nullopt;
+  return microseconds(*time);
+}
+
+inline Timestamp timestamp(const sqlite::Statement& row, int column) {
+  return Timestamp{std::chrono::microseconds{row.integer(column)}};
+}
+
+inline std::optional<Timestamp> optional_timestamp(const sqlite::Statement& row, int column) {
+  if (row.is_null(column)) return std::nullopt;
+  return timestamp(row, column);
+}
+
+// The column's CHECK sees to the length.
+inline Sha256 sha256(const sqlite::Statement& row, int column) {
+  Sha256 hash{};
+  const auto blob = row.blob(column);
+  std::copy_n(blob.begin(), std::min(blob.size(), hash.size()), hash.begin());
+  return hash;
+}
+
+}  // namespace mapweld::rows

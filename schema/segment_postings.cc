@@ -1,0 +1,134 @@
+#include "schema/segment_postings.h"
+
+#include <algorithm>
+#include <string>
+
+#include "schema/blobs/appearance_blob.h"
+#include "schema/blobs/posting_blob.h"
+
+namespace mapweld {
+namespace {
+
+// A block with its row fits one page of 4 KiB.
+constexpr std::size_t kBlockBytes = 3'800;
+
+}  // namespace
+
+std::optional<SegmentPostings> invert_appearances(const Reader& db, MapId map, VocabularyId vocabulary, VertexId first,
+                                                  std::uint32_t count) {
+  // Word and vertex as one number: sorted, equal ones are the appearances of one posting.
+  std::vector<std::uint64_t> keys;
+  std::vector<WordId> words;
+  sqlite::Statement row = db.prepare(
+      "SELECT vertex, bytes FROM appearances WHERE map = ? AND vertex >= ? AND vertex < ? AND vocabulary = ? "
+      "ORDER BY vertex");
+  const std::uint64_t begin = to_index(first);
+  row.bind_all(map, begin, begin + count, vocabulary);
+  std::uint64_t next = begin;
+  for (; row.step(); ++next) {
+    if (static_cast<std::uint64_t>(row.integer(0)) != next) return std::nullopt;
+    blobs::decode_words(row.blob(1), words);
+    for (const WordId word : words) keys.push_back(std::uint64_t{to_index(word)} << 32 | next);
+  }
+  if (next != begin + count) return std::nullopt;
+  std::ranges::sort(keys);
+
+  SegmentPostings segment{first, count, {}, {}, {}};
+  for (std::size_t i = 0; i < keys.size();) {
+    const std::uint64_t key = keys[i];
+    const WordId word{static_cast<std::uint32_t>(key >> 32)};
+    std::size_t same = 0;
+    for (; i < keys.size() && keys[i] == key; ++i) ++same;
+    if (segment.words.empty() || segment.words.back() != word) {
+      segment.words.push_back(word);
+      segment.offsets.push_back(static_cast<std::uint32_t>(segment.postings.size()));
+    }
+    segment.postings.push_back({VertexId{static_cast<std::uint32_t>(key)},
+                                static_cast<std::uint16_t>(std::min<std::size_t>(same, UINT16_MAX))});
+  }
+  segment.offsets.push_back(static_cast<std::uint32_t>(segment.postings.size()));
+  return segment;
+}
+
+SegmentPostings read_segment(const Reader& db, const SegmentRow& row) {
+  SegmentPostings segment{row.first, row.count, {}, {}, {}};
+  segment.postings.reserve(row.postings);
+  sqlite::Statement block_row =
+      db.prepare("SELECT first_word, bytes FROM posting_blocks WHERE segment = ? ORDER BY first_word");
+  block_row.bind(1, row.id);
+  while (block_row.step()) {
+    const blobs::PostingBlock block(block_row.blob(1), row.first, row.count);
+    for (std::size_t i = 0; i < block.words(); ++i) {
+      if (!segment.words.empty() && block.word(i) <= segment.words.back()) {
+        throw StoreError(StoreErrorKind::kCorrupt, "the blocks of a segment overlap");
+      }
+      segment.words.push_back(block.word(i));
+      segment.offsets.push_back(static_cast<std::uint32_t>(segment.postings.size()));
+      block.postings(i, segment.postings);
+    }
+  }
+  segment.offsets.push_back(static_cast<std::uint32_t>(segment.postings.size()));
+  if (segment.postings.size() != row.postings) {
+    throw StoreError(StoreErrorKind::kCorrupt, "segment " + std::to_string(to_index(row.id)) + " has " +
+                                                   std::to_string(segment.postings.size()) + " postings, not " +
+                                                   std::to_string(row.postings));
+  }
+  return segment;
+}
+
+SegmentPostings concatenate(std::span<const SegmentPostings> neighbours) {
+  SegmentPostings all{neighbours.front().first, 0, {}, {}, {}};
+  std::size_t postings = 0;
+  for (const SegmentPostings& segment : neighbours) {
+    all.count += segment.count;
+    postings += segment.postings.size();
+    all.words.insert(all.words.end(), segment.words.begin(), segment.words.end());
+  }
+  std::ranges::sort(all.words);
+  all.words.erase(std::unique(all.words.begin(), all.words.end()), all.words.end());
+  all.postings.reserve(postings);
+  std::vector<std::size_t> at(neighbours.size(), 0);
+  for (const WordId word : all.words) {
+    all.offsets.push_back(static_cast<std::uint32_t>(all.postings.size()));
+    for (std::size_t s = 0; s < neighbours.size(); ++s) {
+      if (at[s] == neighbours[s].words.size() || neighbours[s].words[at[s]] != word) continue;
+      const auto list = neighbours[s].of(at[s]++);
+      all.postings.insert(all.postings.end(), list.begin(), list.end());
+    }
+  }
+  all.offsets.push_back(static_cast<std::uint32_t>(all.postings.size()));
+  return all;
+}
+
+SegmentPostings cut(const SegmentPostings& segment, VertexId first, std::uint32_t count, VertexId renumbered_first) {
+  SegmentPostings part{renumbered_first, count, {}, {}, {}};
+  for (std::size_t i = 0; i < segment.words.size(); ++i) {
+    const std::size_t before = part.postings.size();
+    for (const Posting& posting : segment.of(i)) {
+      // Wraps round for a vertex before the first, and is then beyond the count.
+      const std::uint32_t offset = to_index(posting.vertex) - to_index(first);
+      if (offset < count) part.postings.push_back({VertexId{to_index(renumbered_first) + offset}, posting.count});
+    }
+    if (part.postings.size() == before) continue;
+    part.words.push_back(segment.words[i]);
+    part.offsets.push_back(static_cast<std::uint32_t>(before));
+  }
+  part.offsets.push_back(static_cast<std::uint32_t>(part.postings.size()));
+  return part;
+}
+
+SegmentId insert_segment(WriteTransaction& db, MapId map, VocabularyId vocabulary, const SegmentPostings& segment) {
+  db.prepare("INSERT INTO segments (map, vocabulary, first_vertex, count, postings) VALUES (?, ?, ?, ?, ?)")
+      .bind_all(map, vocabulary, segment.first, segment.count, segment.postings.size())
+      .run();
+  const SegmentId id{db.connection().last_insert_rowid()};
+  blobs::PostingBlockWriter writer(segment.first, kBlockBytes);
+  for (std::size_t i = 0; i < segment.words.size(); ++i) writer.add(segment.words[i], segment.of(i));
+  sqlite::Statement insert = db.prepare("INSERT INTO posting_blocks (segment, first_word, bytes) VALUES (?, ?, ?)");
+  for (const auto& block : std::move(writer).finish()) {
+    insert.bind_all(id, block.first_word, std::span<const std::uint8_t>(block.bytes)).run();
+  }
+  return id;
+}
+
+}  // namespace mapweld

@@ -1,0 +1,174 @@
+#include "schema/store.h"
+
+#include <system_error>
+#include <utility>
+
+#include <sqlite3.h>
+
+namespace mapweld {
+
+using sqlite::Connection;
+using sqlite::Transaction;
+
+ReadTransaction::ReadTransaction(Store& store, std::unique_ptr<Connection> connection)
+    : Reader(connection.get()),
+      store_(&store),
+      owned_(std::move(connection)),
+      transaction_(std::make_unique<Transaction>(*owned_, Transaction::Kind::kRead)) {}
+
+ReadTransaction::ReadTransaction(ReadTransaction&& other) noexcept = default;
+
+ReadTransaction::~ReadTransaction() {
+  transaction_.reset();
+  if (owned_) store_->give_back(std::move(owned_));
+}
+
+WriteTransaction::WriteTransaction(Store& store) : Reader(nullptr), store_(&store), turn_(store.writer_turn_) {
+  connection_ = store.writer_.get();
+  transaction_ = std::make_unique<Transaction>(*connection_, Transaction::Kind::kWrite);
+}
+
+WriteTransaction::WriteTransaction(WriteTransaction&& other) noexcept = default;
+
+WriteTransaction::~WriteTransaction() { rollback(); }
+
+void WriteTransaction::commit() {
+  if (!transaction_) throw StoreError(StoreErrorKind::kInternal, "the transaction is finished already");
+  transaction_->commit();
+  store_->after_commit();
+  transaction_.reset();
+  turn_.unlock();
+}
+
+void WriteTransaction::rollback() noexcept {
+  if (!transaction_) return;
+  transaction_.reset();
+  turn_.unlock();
+}
+
+Store::Store(const std::filesystem::path& file, const StoreOptions& options) : file_(file), options_(options) {
+  next_checkpoint_pages_ = options_.checkpoint_pages;
+  if (options_.read_only) return;
+  writer_ = std::make_unique<Connection>(file_, sqlite::OpenMode::kReadWrite);
+  writer_->set_busy_timeout_ms(options_.busy_timeout_ms);
+  writer_->execute("PRAGMA cache_size = -" + std::to_string(options_.writer_cache_kib));
+  const auto mode = [this] {
+    sqlite::Statement statement = writer_->prepare("PRAGMA journal_mode = WAL");
+    statement.step();
+    return std::string(statement.text(0));
+  }();
+  if (mode != "wal") throw StoreError(StoreErrorKind::kIo, file_.string() + " cannot be kept in WAL mode here");
+  // Once the WAL is moved, its file shrinks to this size again.
+  writer_->execute("PRAGMA journal_size_limit = " + std::to_string(std::uint64_t{options_.restart_pages} * 4096));
+  sqlite3_wal_hook(
+      writer_->handle(),
+      [](void* store, sqlite3*, const char*, int pages) {
+        static_cast<Store*>(store)->wal_pages_ = static_cast<std::uint32_t>(pages);
+        return SQLITE_OK;
+      },
+      this);
+}
+
+Store::~Store() {
+  idle_readers_.clear();
+  if (writer_) move_wal(SQLITE_CHECKPOINT_TRUNCATE);
+}
+
+WriteTransaction Store::write() {
+  if (options_.read_only) throw StoreError(StoreErrorKind::kNoPermission, file_.string() + " is opened for reading");
+  return WriteTransaction(*this);
+}
+
+ReadTransaction Store::read() {
+  std::unique_ptr<Connection> reader;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!idle_readers_.empty()) {
+      reader = std::move(idle_readers_.back());
+      idle_readers_.pop_back();
+    }
+  }
+  if (!reader) reader = open_reader();
+  return ReadTransaction(*this, std::move(reader));
+}
+
+std::unique_ptr<Connection> Store::open_reader() {
+  auto reader = std::make_unique<Connection>(file_, sqlite::OpenMode::kReadOnly);
+  reader->set_busy_timeout_ms(options_.busy_timeout_ms);
+  reader->execute("PRAGMA cache_size = -" + std::to_string(options_.reader_cache_kib));
+  return reader;
+}
+
+void Store::give_back(std::unique_ptr<Connection> reader) noexcept {
+  const std::lock_guard lock(mutex_);
+  if (idle_readers_.size() < options_.idle_readers) idle_readers_.push_back(std::move(reader));
+}
+
+StoreStatistics Store::statistics() const {
+  const std::lock_guard lock(mutex_);
+  return statistics_;
+}
+
+void Store::backup(const std::filesystem::path& target) {
+  if (std::filesystem::exists(target)) {
+    throw StoreError(StoreErrorKind::kConstraint, target.string() + " exists already");
+  }
+  std::filesystem::path part = target;
+  part += ".part";
+  std::error_code ignored;
+  std::filesystem::remove(part, ignored);
+  try {
+    const ReadTransaction from = read();
+    Connection to(part, sqlite::OpenMode::kCreate);
+    sqlite3_backup* copy = sqlite3_backup_init(to.handle(), "main", from.connection().handle(), "main");
+    if (copy == nullptr) throw sqlite::error_of(to.handle(), SQLITE_ERROR, "backup");
+    const int result = sqlite3_backup_step(copy, -1);
+    sqlite3_backup_finish(copy);
+    if (result != SQLITE_DONE) throw sqlite::error_of(to.handle(), result, "backup");
+  } catch (...) {
+    std::filesystem::remove(part, ignored);
+    throw;
+  }
+  std::filesystem::rename(part, target);
+}
+
+void Store::limit_pages(std::uint32_t pages) {
+  const std::lock_guard turn(writer_turn_);
+  writer_->query_integer("PRAGMA max_page_count = " + std::to_string(pages));
+}
+
+void Store::after_commit() noexcept {
+  if (wal_pages_ >= next_checkpoint_pages_) {
+    // The WAL starts over when all of it is moved and nobody reads it any more. Under unbroken reading that moment has
+    // to be waited for, lest it grow without end.
+    const bool restart = wal_pages_ >= options_.restart_pages;
+    next_checkpoint_pages_ = wal_pages_ + options_.checkpoint_pages;
+    if (move_wal(restart ? SQLITE_CHECKPOINT_RESTART : SQLITE_CHECKPOINT_PASSIVE)) {
+      next_checkpoint_pages_ = options_.checkpoint_pages;
+    }
+  }
+  const std::lock_guard lock(mutex_);
+  ++statistics_.commits;
+  statistics_.wal_pages = wal_pages_;
+}
+
+bool Store::move_wal(int how) noexcept {
+  constexpr int kWaitForReadersMs = 250;
+  sqlite3_busy_timeout(writer_->handle(), kWaitForReadersMs);
+  int pages = 0;
+  int moved = 0;
+  const int result = sqlite3_wal_checkpoint_v2(writer_->handle(), nullptr, how, &pages, &moved);
+  const std::string error = result == SQLITE_OK ? std::string() : sqlite3_errmsg(writer_->handle());
+  sqlite3_busy_timeout(writer_->handle(), options_.busy_timeout_ms);
+
+  const std::lock_guard lock(mutex_);
+  ++statistics_.wal_checkpoints;
+  // Readers in the way are no failure: what could be moved has been.
+  if (result != SQLITE_OK && (result & 0xff) != SQLITE_BUSY) {
+    ++statistics_.failed_wal_checkpoints;
+    statistics_.last_wal_checkpoint_error = error;
+  }
+  return result == SQLITE_OK && moved == pages;
+}
+
+}  // namespace mapweld

@@ -1,0 +1,194 @@
+#include "schema/vertex_store.h"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+#include <string>
+
+#include "schema/blobs/appearance_blob.h"
+#include "schema/rows.h"
+
+namespace mapweld {
+namespace {
+
+constexpr std::string_view kColumns =
+    "SELECT id, map, vertex, name, sha256, media_type, width_px, height_px, features, captured_at_us, sequence, "
+    "sequence_index, camera, reason, similar_to, inliers, uploaded_at_us, deleted_at_us, "
+    "EXISTS (SELECT 1 FROM image_bytes WHERE image = images.id) FROM images ";
+
+Reason parse_reason(std::string_view word) {
+  constexpr std::array kReasons = {Reason::kNone,          Reason::kTooFewFeatures, Reason::kNoCandidate,
+                                   Reason::kTooFewInliers, Reason::kNotSignificant, Reason::kInconsistent,
+                                   Reason::kUnsupported};
+  for (const Reason reason : kReasons) {
+    if (to_string(reason) == word) return reason;
+  }
+  throw StoreError(StoreErrorKind::kCorrupt, "'" + std::string(word) + "' is no known reason");
+}
+
+ImageRow read_row(const sqlite::Statement& row) {
+  ImageRow image;
+  image.id = row.id<ImageId>(0);
+  image.map = row.id<MapId>(1);
+  if (!row.is_null(2)) image.vertex = row.id<VertexId>(2);
+  image.name = row.text(3);
+  image.sha256 = rows::sha256(row, 4);
+  image.media_type = row.text(5);
+  image.width_px = static_cast<int>(row.integer(6));
+  image.height_px = static_cast<int>(row.integer(7));
+  image.features = static_cast<int>(row.integer(8));
+  image.provenance.captured_at = rows::optional_timestamp(row, 9);
+  image.provenance.sequence = row.optional_text(10);
+  image.provenance.index = row.optional_integer(11);
+  image.provenance.camera = row.optional_text(12);
+  image.reason = parse_reason(row.text(13));
+  if (!row.is_null(14)) image.similar_to = row.id<VertexId>(14);
+  image.inliers = static_cast<int>(row.integer(15));
+  image.uploaded_at = rows::timestamp(row, 16);
+  image.deleted_at = rows::optional_timestamp(row, 17);
+  image.has_bytes = row.integer(18) != 0;
+  return image;
+}
+
+// Counts a new image of a plain map; returns the number of vertices that it had.
+std::uint32_t count_image(WriteTransaction& db, MapId map, bool inserted) {
+  sqlite::Statement counted = db.prepare(
+      "UPDATE maps SET vertices = vertices + ?2, ignored = ignored + 1 - ?2, revision = revision + 1 "
+      "WHERE id = ?1 AND kind = 'map' RETURNING vertices - ?2");
+  counted.bind_all(map, inserted ? 1 : 0);
+  if (!counted.step()) throw StoreError(StoreErrorKind::kConstraint, "images belong to plain maps");
+  const std::int64_t vertices = counted.integer(0);
+  counted.run();
+  if (vertices >= UINT32_MAX) throw StoreError(StoreErrorKind::kConstraint, "a map cannot have 2^32 vertices");
+  return static_cast<std::uint32_t>(vertices);
+}
+
+ImageId insert_image(WriteTransaction& db, MapId map, const NewImage& image, std::optional<VertexId> vertex,
+                     std::optional<VertexId> similar_to, std::optional<int> inliers) {
+  const Provenance& from = image.provenance;
+  db.prepare(
+        "INSERT INTO images (map, vertex, name, sha256, media_type, width_px, height_px, features, captured_at_us, "
+        "sequence, sequence_index, camera, reason, similar_to, inliers, uploaded_at_us) "
+        "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
+      .bind_all(map, vertex, image.name, std::span<const std::uint8_t>(image.sha256), image.media_type, image.width_px,
+                image.height_px, image.features, rows::microseconds(from.captured_at), from.sequence, from.index,
+                from.camera, to_string(image.reason), similar_to, inliers, rows::microseconds(image.uploaded_at))
+      .run();
+  const ImageId id{db.connection().last_insert_rowid()};
+  if (!image.bytes.empty()) {
+    db.prepare("INSERT INTO image_bytes (image, bytes) VALUES (?, ?)").bind_all(id, image.bytes).run();
+  }
+  return id;
+}
+
+}  // namespace
+
+VertexId insert_vertex(WriteTransaction& db, MapId map, VocabularyId vocabulary, const NewImage& image,
+                       const AppearanceVector& appearances, std::span<const NewEdge> edges, VerifierId verifier) {
+  const VertexId vertex{count_image(db, map, true)};
+  insert_image(db, map, image, vertex, std::nullopt, std::nullopt);
+  const blobs::Bytes bytes = blobs::encode_appearances(appearances);
+  db.prepare("INSERT INTO appearances (map, vertex, vocabulary, bytes) VALUES (?, ?, ?, ?)")
+      .bind_all(map, vertex, vocabulary, std::span<const std::uint8_t>(bytes))
+      .run();
+  std::vector<NewEdge> own(edges.begin(), edges.end());
+  for (NewEdge& edge : own) edge.v = vertex;
+  insert_edges(db, map, own, verifier, std::nullopt);
+  return vertex;
+}
+
+ImageId insert_ignored(WriteTransaction& db, MapId map, const NewImage& image, VertexId similar_to, int inliers) {
+  count_image(db, map, false);
+  return insert_image(db, map, image, std::nullopt, similar_to, inliers);
+}
+
+std::optional<ImageRow> find_image(const Reader& db, MapId map, std::string_view name) {
+  sqlite::Statement row = db.prepare(std::string(kColumns) + "WHERE map = ? AND name = ?");
+  if (!row.bind_all(map, name).step()) return std::nullopt;
+  return read_row(row);
+}
+
+std::optional<ImageRow> find_vertex(const Reader& db, MapId map, VertexId vertex) {
+  sqlite::Statement row = db.prepare(std::string(kColumns) + "WHERE map = ? AND vertex = ?");
+  if (!row.bind_all(map, vertex).step()) return std::nullopt;
+  return read_row(row);
+}
+
+std::optional<std::vector<std::uint8_t>> load_image_bytes(const Reader& db, ImageId image) {
+  sqlite::Statement row = db.prepare("SELECT bytes FROM image_bytes WHERE image = ?");
+  if (!row.bind(1, image).step()) return std::nullopt;
+  return std::vector<std::uint8_t>(row.blob(0).begin(), row.blob(0).end());
+}
+
+std::vector<ImageRow> list_ignored(const Reader& db, MapId map, std::size_t limit, std::optional<ImageId> after) {
+  sqlite::Statement row =
+      db.prepare(std::string(kColumns) + "WHERE map = ? AND vertex IS NULL AND id > ? ORDER BY id LIMIT ?");
+  row.bind_all(map, after.value_or(ImageId{0}), limit);
+  std::vector<ImageRow> images;
+  while (row.step()) images.push_back(read_row(row));
+  return images;
+}
+
+std::vector<VertexRow> list_vertices(const Reader& db, const MapLayout& layout, std::size_t limit,
+                                     std::optional<VertexId> after) {
+  std::vector<VertexRow> vertices;
+  const std::uint64_t begin = after ? std::uint64_t{to_index(*after)} + 1 : 0;
+  for (const MapLayout::LeafSpan& span : layout.leaf_spans()) {
+    const std::uint64_t first = to_index(span.first);
+    if (begin >= first + span.count) continue;
+    const std::uint64_t skipped = begin > first ? begin - first : 0;
+    sqlite::Statement row =
+        db.prepare(std::string(kColumns) + "WHERE map = ? AND vertex >= ? AND vertex < ? ORDER BY vertex LIMIT ?");
+    const std::uint64_t leaf_first = to_index(span.leaf_first);
+    row.bind_all(span.leaf, leaf_first + skipped, leaf_first + span.count, limit - vertices.size());
+    while (row.step()) {
+      ImageRow image = read_row(row);
+      const auto number = static_cast<std::uint32_t>(first + (to_index(*image.vertex) - leaf_first));
+      vertices.push_back({VertexId{number}, std::move(image)});
+    }
+    if (vertices.size() == limit) break;
+  }
+  return vertices;
+}
+
+std::vector<VertexRow> find_vertices(const Reader& db, const MapLayout& layout, std::string_view name) {
+  std::vector<VertexRow> vertices;
+  for (const LayoutNode& node : layout.nodes()) {
+    if (node.kind != MapKind::kMap) continue;
+    auto image = find_image(db, node.map, name);
+    if (!image || !image->vertex) continue;
+    if (const auto number = node.number(*image->vertex)) vertices.push_back({*number, std::move(*image)});
+  }
+  std::ranges::sort(vertices, {}, &VertexRow::vertex);
+  return vertices;
+}
+
+AppearanceVector load_appearances(const Reader& db, MapId map, VocabularyId vocabulary, VertexId vertex) {
+  sqlite::Statement row = db.prepare("SELECT bytes FROM appearances WHERE map = ? AND vertex = ? AND vocabulary = ?");
+  if (!row.bind_all(map, vertex, vocabulary).step()) {
+    throw std::out_of_range("map " + std::to_string(to_index(map)) + " has no vertex " +
+                            std::to_string(to_index(vertex)) + " under this vocabulary");
+  }
+  return blobs::decode_appearances(row.blob(0));
+}
+
+std::vector<AppearanceVector> load_appearances(const Reader& db, MapId map, VocabularyId vocabulary, VertexId first,
+                                               std::uint32_t count) {
+  std::vector<AppearanceVector> images;
+  images.reserve(count);
+  sqlite::Statement row = db.prepare(
+      "SELECT vertex, bytes FROM appearances WHERE map = ? AND vertex >= ? AND vertex < ? AND vocabulary = ? "
+      "ORDER BY vertex");
+  const std::uint64_t begin = to_index(first);
+  row.bind_all(map, begin, begin + count, vocabulary);
+  while (row.step() && static_cast<std::uint64_t>(row.integer(0)) == begin + images.size()) {
+    images.push_back(blobs::decode_appearances(row.blob(1)));
+  }
+  if (images.size() != count) {
+    throw std::out_of_range("map " + std::to_string(to_index(map)) + " has no vertex " +
+                            std::to_string(begin + images.size()) + " under this vocabulary");
+  }
+  return images;
+}
+
+}  // namespace mapweld
