@@ -5,24 +5,16 @@
 #include "core/geometry/portable_math.h"
 
 namespace mapweld {
-namespace {
-
-struct Frame {
-  double centre_x_px, centre_y_px, diagonal_px;
-};
-
-Frame frame_of(const AppearanceVector& image) {
+ImageFrame frame_of(const AppearanceVector& image) {
   const double w = image.width_px;
   const double h = image.height_px;
   return {(w - 1) / 2, (h - 1) / 2, std::sqrt(w * w + h * h)};
 }
 
-}  // namespace
-
 Correspondences make_correspondences(const AppearanceVector& a, const AppearanceVector& b,
                                      const std::vector<WordMatch>& matches) {
-  const Frame fa = frame_of(a);
-  const Frame fb = frame_of(b);
+  const ImageFrame fa = frame_of(a);
+  const ImageFrame fb = frame_of(b);
   const std::size_t n = matches.size();
   Correspondences c;
   for (auto* column : {&c.xa, &c.ya, &c.xb, &c.yb, &c.m_re, &c.m_im, &c.ratio}) column->reserve(n);
@@ -44,11 +36,11 @@ Correspondences make_correspondences(const AppearanceVector& a, const Appearance
   return c;
 }
 
-Correspondences select(const Correspondences& all, const std::vector<std::size_t>& chosen) {
+Correspondences select(const Correspondences& all, const std::vector<std::uint32_t>& chosen) {
   Correspondences c;
   const auto take = [&](const std::vector<float>& from, std::vector<float>& to) {
     to.reserve(chosen.size());
-    for (const std::size_t i : chosen) to.push_back(from[i]);
+    for (const std::uint32_t i : chosen) to.push_back(from[i]);
   };
   take(all.xa, c.xa);
   take(all.ya, c.ya);

@@ -5,12 +5,21 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "core/geometry/word_matches.h"
 #include "core/types.h"
 
 namespace mapweld {
+
+// Where normalised coordinates come from.
+struct ImageFrame {
+  double centre_x_px = 0;
+  double centre_y_px = 0;
+  double diagonal_px = 1;
+};
+ImageFrame frame_of(const AppearanceVector& image);
 
 struct Correspondences {
   // Position in the first image and in the second.
@@ -27,6 +36,6 @@ Correspondences make_correspondences(const AppearanceVector& a, const Appearance
                                      const std::vector<WordMatch>& matches);
 
 // The rows `chosen` of `all`.
-Correspondences select(const Correspondences& all, const std::vector<std::size_t>& chosen);
+Correspondences select(const Correspondences& all, const std::vector<std::uint32_t>& chosen);
 
 }  // namespace mapweld

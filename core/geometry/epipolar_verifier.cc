@@ -1,92 +1,69 @@
 #include "core/geometry/epipolar_verifier.h"
 
 #include <algorithm>
-#include <numeric>
+#include <cmath>
+#include <iterator>
 #include <utility>
 #include <vector>
 
 #include "core/geometry/correspondences.h"
 #include "core/geometry/false_alarms.h"
+#include "core/geometry/one_to_one.h"
 #include "core/geometry/portable_math.h"
-#include "core/geometry/robust_fundamental.h"
 #include "core/geometry/similarity_support.h"
 #include "core/geometry/spatial_consistency.h"
+#include "core/geometry/two_view_geometry.h"
 #include "core/geometry/word_matches.h"
 
 namespace mapweld {
 namespace {
 
-constexpr int kMaxPairings = 9;
-constexpr int kMaxMatches = 600;
-constexpr double kNominalTests = 1e2;
-
-bool same_location(const Appearance& p, const Appearance& q) {
-  const float dx = p.x_px - q.x_px;
-  const float dy = p.y_px - q.y_px;
-  return dx * dx + dy * dy < 1.0f;
-}
-
-// One match a feature and a location, those with the most support first.
-std::vector<std::size_t> one_to_one(const AppearanceVector& a, const AppearanceVector& b,
-                                    const std::vector<WordMatch>& matches, const std::vector<std::uint16_t>& support) {
-  std::vector<std::size_t> order(matches.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, [&](std::size_t i, std::size_t j) { return support[i] > support[j]; });
-  std::vector<std::size_t> kept;
-  for (const std::size_t i : order) {
-    const bool taken = std::ranges::any_of(kept, [&](std::size_t k) {
-      return same_location(a.appearances[matches[i].a], a.appearances[matches[k].a]) ||
-             same_location(b.appearances[matches[i].b], b.appearances[matches[k].b]);
-    });
-    if (!taken) kept.push_back(i);
-  }
-  std::ranges::sort(kept);
-  return kept;
-}
+constexpr int kMaxPairings = 9;    // of one word: 3 x 3
+constexpr int kMaxMatches = 600;   // pairings of a pair of images
+constexpr int kMinSupport = 2;     // others that agree with a match before it counts
+constexpr int kFewestMatches = 8;  // that determine a fundamental matrix and could contradict it
+constexpr int kBackgroundShifts = 32;
+constexpr double kNominalTests = 100;  // pairs of images, each with two models, that one decision looks at
+constexpr double kNoEvidence = 300;    // log10 of false alarms when there is no model at all
 
 Verification verify_in_order(const AppearanceVector& a, const AppearanceVector& b, std::uint64_t seed,
                              const VerifierOptions& options) {
   Verification v;
+  v.log10_false_alarms = kNoEvidence;
   const auto reject = [&](Reason reason) {
     v.reason = reason;
     return v;
   };
-  const std::size_t needed = static_cast<std::size_t>(std::max(options.min_inliers, 8));
+  const std::size_t needed = static_cast<std::size_t>(std::max(options.min_inliers, kFewestMatches));
   if (a.appearances.size() < needed || b.appearances.size() < needed) return reject(Reason::kTooFewFeatures);
 
   const std::vector<WordMatch> pairings = word_matches(a, b, kMaxPairings, kMaxMatches);
   const Correspondences all = make_correspondences(a, b, pairings);
   const std::vector<std::uint16_t> support = similarity_support(all, {});
-  const std::vector<std::size_t> chosen = one_to_one(a, b, pairings, support);
-  v.matches = static_cast<int>(chosen.size());
+  const std::vector<std::uint32_t> matches = one_to_one(a, b, pairings, support);
+  v.matches = static_cast<int>(matches.size());
 
-  std::vector<std::size_t> supported;
-  for (const std::size_t i : chosen) {
-    if (support[i] >= 2) supported.push_back(i);
-  }
+  std::vector<std::uint32_t> supported;
+  std::ranges::copy_if(matches, std::back_inserter(supported),
+                       [&](std::uint32_t i) { return support[i] >= kMinSupport; });
   v.inliers = static_cast<int>(supported.size());
   if (supported.size() < needed) return reject(Reason::kTooFewInliers);
 
   const Correspondences c = select(all, supported);
-  const RobustFundamental model = robust_fundamental(c, seed, {});
-  v.inliers = static_cast<int>(model.inliers.size());
-  if (model.inliers.size() < needed) return reject(Reason::kTooFewInliers);
+  const TwoViewGeometry geometry =
+      estimate_two_view_geometry(c, v.matches, shuffled(select(all, matches), kBackgroundShifts), seed, {});
+  v.kind = geometry.kind;
+  if (v.kind != GeometryKind::kNone) v.geometry = in_pixels(geometry, a, b);
+  v.log10_false_alarms = std::min(geometry.log10_false_alarms + portable_log10(2 * kNominalTests), kNoEvidence);
+  v.inliers = static_cast<int>(geometry.inliers.size());
+  if (geometry.inliers.size() < needed) return reject(Reason::kTooFewInliers);
 
-  v.kind = GeometryKind::kFundamental;
-  v.geometry = model.f;
-  std::vector<float> d2;
-  epipolar_distances2(c, model.f, d2);
-  d2.resize(chosen.size(), 1.0f);
-  std::ranges::sort(d2);
-  const Significance s =
-      significance(d2, {.sample = 7, .outcomes = 3, .chance_per_distance = 4.2, .dimension = 1}, 0.005);
-  v.log10_false_alarms = std::min(s.log10_false_alarms + portable_log10(kNominalTests), 300.0);
-
-  const std::vector<std::uint32_t> consistent = spatially_consistent(c, model.inliers, {});
+  const std::vector<std::uint32_t> consistent = spatially_consistent(c, geometry.inliers, {});
   v.inliers = static_cast<int>(consistent.size());
   for (const std::uint32_t i : consistent) {
     v.inlier_matches.emplace_back(pairings[supported[i]].a, pairings[supported[i]].b);
   }
+  std::ranges::sort(v.inlier_matches);
   if (consistent.size() < needed) return reject(Reason::kInconsistent);
   if (v.log10_false_alarms > portable_log10(options.max_false_alarms)) return reject(Reason::kNotSignificant);
   v.accepted = true;

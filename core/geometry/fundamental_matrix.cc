@@ -8,10 +8,6 @@
 namespace mapweld {
 namespace {
 
-double determinant(const Matrix3& m) {
-  return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) + m[2] * (m[3] * m[7] - m[4] * m[6]);
-}
-
 // One real root of a polynomial within [lo, hi], where its values have different signs.
 template <typename F>
 double bisect(F f, double lo, double hi) {

@@ -9,10 +9,9 @@
 #include <vector>
 
 #include "core/geometry/correspondences.h"
+#include "core/geometry/matrix3.h"
 
 namespace mapweld {
-
-using Matrix3 = std::array<double, 9>;  // row-major
 
 // The up to three matrices through seven correspondences (Hartley & Zisserman, 11.1.2); none when they are degenerate.
 // `out` has room for three; returns how many.

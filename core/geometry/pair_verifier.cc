@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/geometry/matrix3.h"
+
 namespace mapweld {
 namespace {
 
@@ -13,18 +15,11 @@ void transpose(std::array<double, 9>& m) {
   std::swap(m[5], m[7]);
 }
 
-// x_b ~ H x_a becomes x_a ~ H^-1 x_b; a homography is known up to scale, so the adjugate will do.
-void invert(std::array<double, 9>& m) {
-  m = {m[4] * m[8] - m[5] * m[7], m[2] * m[7] - m[1] * m[8], m[1] * m[5] - m[2] * m[4],
-       m[5] * m[6] - m[3] * m[8], m[0] * m[8] - m[2] * m[6], m[2] * m[3] - m[0] * m[5],
-       m[3] * m[7] - m[4] * m[6], m[1] * m[6] - m[0] * m[7], m[0] * m[4] - m[1] * m[3]};
-}
-
 }  // namespace
 
 Verification mirrored(Verification v) {
   if (v.kind == GeometryKind::kHomography) {
-    invert(v.geometry);
+    v.geometry = inverse(v.geometry);  // x_b ~ H x_a becomes x_a ~ H^-1 x_b
   } else {
     transpose(v.geometry);
   }

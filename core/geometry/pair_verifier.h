@@ -12,7 +12,8 @@ struct VerifierOptions {
   double max_false_alarms = 1e-6;  // and only when chance would give them at most so often (a-contrario)
 };
 
-// The same verdict seen from the other image: what verify(b, a) gives when `v` is verify(a, b).
+// The same verdict seen from the other image: what verify(b, a) gives when `v` is verify(a, b) (a homography: up to
+// rounding).
 Verification mirrored(Verification v);
 
 // A pure function of two images. Implementations are immutable and thread-safe.
