@@ -1,0 +1,137 @@
+// mapweld map create|list|show|delete
+#include <map>
+#include <memory>
+
+#include "client/command/context.h"
+#include "client/command/exit_code.h"
+#include "client/command/terminal.h"
+
+namespace mapweld::command {
+namespace {
+
+struct MapOptions {
+  contract::CreateMap create;
+  contract::MapParameters parameters;
+  std::vector<std::string> labels;  // KEY=TEXT
+  std::string name;
+};
+
+std::string describe(const contract::Map& map) {
+  std::vector<std::pair<std::string, std::string>> lines = {
+      {"name", map.name},
+      {"kind", map.kind},
+      {"vocabulary", map.vocabulary},
+      {"vertices", std::to_string(map.vertices)},
+      {"edges", std::to_string(map.edges)},
+      {"ignored", count_text(map.ignored, "image") + " too similar to others"},
+  };
+  if (map.merge) {
+    std::string members;
+    for (const auto& member : map.members) {
+      members +=
+          (members.empty() ? "" : ", ") + member.map + " (" + count_text(member.watermark, "vertex", "vertices") + ")";
+    }
+    lines.emplace_back("members", members);
+    lines.emplace_back("merge", std::to_string(*map.merge));
+  }
+  std::string parameters;
+  const contract::Json all = map.parameters;
+  for (const auto& [key, value] : all.items()) {
+    parameters +=
+        (parameters.empty() ? "" : ", ") + key + " " + (value.is_string() ? value.get<std::string>() : value.dump());
+  }
+  lines.emplace_back("parameters", parameters);
+  std::string labels;
+  for (const auto& [key, text] : map.labels) labels += (labels.empty() ? "" : ", ") + printable(key + "=" + text);
+  if (!labels.empty()) lines.emplace_back("labels", labels);
+  lines.emplace_back("created", map.created_at);
+  lines.emplace_back("uuid", map.uuid);
+  return facts(lines);
+}
+
+int create(const Context& context, const MapOptions& options) {
+  contract::CreateMap request = options.create;
+  if (options.parameters != contract::MapParameters{}) request.parameters = options.parameters;
+  for (const std::string& label : options.labels) {
+    const auto equals = label.find('=');
+    if (equals == std::string::npos || equals == 0) throw UsageError("A label is KEY=TEXT, not \"" + label + "\".");
+    if (!request.labels) request.labels.emplace();
+    (*request.labels)[label.substr(0, equals)] = label.substr(equals + 1);
+  }
+  const auto map = context.connect().create_map(request);
+  if (context.json) {
+    print_json(map.json);
+  } else {
+    print("Map " + map->name + " is there, empty, with the words of " + map->vocabulary + ".\n");
+  }
+  return kDone;
+}
+
+int list(const Context& context) {
+  const auto maps = context.connect().maps();
+  if (context.json) {
+    print_json(maps.json);
+  } else if (maps->empty()) {
+    print("There is no map yet. Make one: mapweld map create NAME\n");
+  } else {
+    Table table({"NAME", "KIND", "VERTICES", "EDGES", "IGNORED", "VOCABULARY", "CREATED"}, {2, 3, 4});
+    for (const contract::Map& map : *maps) {
+      table.add({map.name, map.kind, std::to_string(map.vertices), std::to_string(map.edges),
+                 std::to_string(map.ignored), map.vocabulary, map.created_at});
+    }
+    print(table.text());
+  }
+  return kDone;
+}
+
+int show(const Context& context, const std::string& name) {
+  const auto map = context.connect().map(name);
+  if (context.json) {
+    print_json(map.json);
+  } else {
+    print(describe(*map));
+  }
+  return kDone;
+}
+
+int remove(const Context& context, const std::string& name) {
+  context.connect().delete_map(name);
+  if (!context.json) print("Map " + name + " is gone.\n");
+  return kDone;
+}
+
+}  // namespace
+
+void add_map_command(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<MapOptions>();
+  CLI::App* map = app.add_subcommand("map", "Make, list, show and delete maps");
+  map->require_subcommand(1);
+
+  CLI::App* make = map->add_subcommand("create", "Make an empty map");
+  make->add_option("NAME", options->create.name, "Letters, digits, dots, underscores and hyphens")->required();
+  make->add_option("--vocabulary", options->create.vocabulary, "The words to use (default: the server's)");
+  make->add_option("--max-features", options->parameters.max_features, "Strongest features kept of an image");
+  make->add_option("--min-votes", options->parameters.min_votes, "Fewest equal words of a candidate");
+  make->add_option("--min-inliers", options->parameters.min_inliers, "Fewest verified matches of an edge");
+  make->add_option("--max-inliers", options->parameters.max_inliers, "An image with more is ignored as too similar");
+  make->add_option("--verify-top", options->parameters.verify_top, "Best candidates that are verified");
+  make->add_option("--votes", options->parameters.votes, "How equal words count")
+      ->check(CLI::IsMember({"min", "product"}));
+  make->add_option("--store-images", options->parameters.store_images, "Whether pixels are kept")
+      ->check(CLI::IsMember({"full", "none"}));
+  make->add_option("--label", options->labels, "KEY=TEXT, any number of them")->type_name("KEY=TEXT");
+  make->callback([=, &context] { context.action = [=, &context] { return create(context, *options); }; });
+
+  CLI::App* all = map->add_subcommand("list", "List the maps");
+  all->callback([&context] { context.action = [&context] { return list(context); }; });
+
+  CLI::App* one = map->add_subcommand("show", "Show one map");
+  one->add_option("NAME", options->name)->required();
+  one->callback([=, &context] { context.action = [=, &context] { return show(context, options->name); }; });
+
+  CLI::App* gone = map->add_subcommand("delete", "Delete a map with its images; a merged map goes with its merge");
+  gone->add_option("NAME", options->name)->required();
+  gone->callback([=, &context] { context.action = [=, &context] { return remove(context, options->name); }; });
+}
+
+}  // namespace mapweld::command

@@ -1,0 +1,217 @@
+#include "client/drawing/curve_svg.h"
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "client/drawing/axis.h"
+#include "client/drawing/svg.h"
+
+namespace mapweld::drawing {
+namespace {
+
+using contract::CurvePoint;
+using Points = std::span<const CurvePoint>;
+
+constexpr double kWidth = 900;
+constexpr double kLeft = 92;
+constexpr double kRight = kWidth - 76;
+constexpr double kTop = 122;
+constexpr double kPanelGap = 34;
+
+struct PanelSpec {
+  std::string title;
+  const char* colour;
+  double height_px;
+  int ticks;
+  double most;
+  std::function<double(const CurvePoint&)> value;
+};
+
+std::string line(double x1, double y1, double x2, double y2, const std::string& style) {
+  return "<line x1=\"" + px(x1) + "\" y1=\"" + px(y1) + "\" x2=\"" + px(x2) + "\" y2=\"" + px(y2) + "\" " + style +
+         "/>\n";
+}
+
+// Consecutive points of one phase, from the first one's time to the first one's of the next phase.
+struct Band {
+  std::string phase;
+  double from_s;
+  double to_s;
+};
+std::vector<Band> bands_of(Points points) {
+  std::vector<Band> bands;
+  for (const CurvePoint& point : points) {
+    if (bands.empty() || bands.back().phase != point.phase) {
+      if (!bands.empty()) bands.back().to_s = point.elapsed_s;
+      bands.push_back({point.phase, bands.empty() ? 0 : point.elapsed_s, point.elapsed_s});
+    }
+    bands.back().to_s = point.elapsed_s;
+  }
+  return bands;
+}
+
+std::string draw_bands(const std::vector<Band>& bands, const Axis& time, double top, double bottom) {
+  std::string content = "<g class=\"phases\">\n";
+  double free_from = 0;  // labels do not run into each other
+  for (std::size_t i = 0; i < bands.size(); ++i) {
+    const double left = time.at(bands[i].from_s);
+    const double right = time.at(bands[i].to_s);
+    if (i % 2 == 1) {
+      content += "<rect x=\"" + px(left) + "\" y=\"" + px(top) + "\" width=\"" + px(right - left) + "\" height=\"" +
+                 px(bottom - top) + "\" fill=\"#F3F5F8\"/>\n";
+    }
+    if (i > 0) {
+      content += line(left, top, left, bottom,
+                      std::string("stroke=\"") + kFaintInk + "\" stroke-width=\"0.8\" stroke-dasharray=\"2 3\"");
+    }
+    const double width = text_width_px(bands[i].phase, 12);
+    const double centre = std::max((left + right) / 2, free_from + width / 2);
+    const bool fits = right - left > width + 8 || (centre == (left + right) / 2 && centre + width / 2 < kRight);
+    if (fits && bands[i].phase != "done") {
+      content += text_at(centre, top - 7, bands[i].phase, {.size_px = 12, .colour = kFaintInk, .anchor = "middle"});
+      free_from = centre + width / 2 + 8;
+    }
+  }
+  return content + "</g>\n";
+}
+
+// The first time from which on the connectivity stays at 90 % of its last value or above.
+std::optional<double> settled_s(Points points) {
+  const double goal = 0.9 * points.back().largest_component.algebraic_connectivity;
+  if (!(goal > 0)) return std::nullopt;
+  double time_s = points.back().elapsed_s;
+  for (std::size_t i = points.size(); i-- > 0 && points[i].largest_component.algebraic_connectivity >= goal;) {
+    time_s = points[i].elapsed_s;
+  }
+  return time_s;
+}
+
+std::string draw_panel(const PanelSpec& panel, Points points, const Axis& time, double top) {
+  const double bottom = top + panel.height_px;
+  const Axis axis(panel.most, panel.ticks, bottom, top);
+  std::string content = "<g class=\"panel\">\n";
+  for (const double tick : axis.ticks()) {
+    const double y = axis.at(tick);
+    content += line(kLeft, y, kRight, y, std::string("stroke=\"") + kRule + "\" stroke-width=\"0.8\"");
+    content += text_at(kLeft - 9, y + 4, axis.label(tick), {.size_px = 12, .colour = kFaintInk, .anchor = "end"});
+  }
+  content += line(kLeft, top, kLeft, bottom, std::string("stroke=\"") + kInk + "\" stroke-width=\"1\"");
+  content += line(kLeft, bottom, kRight, bottom, std::string("stroke=\"") + kInk + "\" stroke-width=\"1\"");
+  for (const double tick : time.ticks()) {
+    content += line(time.at(tick), bottom, time.at(tick), bottom + 4,
+                    std::string("stroke=\"") + kInk + "\" stroke-width=\"1\"");
+  }
+  content += text_at(26, (top + bottom) / 2, panel.title,
+                     {.size_px = 12.5, .colour = kInk, .anchor = "middle", .turned_deg = -90});
+  std::string path;
+  for (const CurvePoint& point : points) {
+    path += path.empty() ? "M" : "L";
+    path += px(time.at(point.elapsed_s)) + " " + px(axis.at(panel.value(point)));
+  }
+  content += "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + panel.colour +
+             "\" stroke-width=\"2\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>\n";
+  if (points.size() <= 80) {
+    for (const CurvePoint& point : points) {
+      content += "<circle cx=\"" + px(time.at(point.elapsed_s)) + "\" cy=\"" + px(axis.at(panel.value(point))) +
+                 "\" r=\"2.4\" fill=\"" + panel.colour + "\"/>\n";
+    }
+  }
+  return content + "</g>\n";
+}
+
+// The per cent of the final value on the right of the first panel, and the line at 90 %.
+std::string draw_share(Points points, const PanelSpec& panel, const Axis& time, double top, bool complete) {
+  const double last = panel.value(points.back());
+  if (!(last > 0)) return "";
+  const Axis axis(panel.most, panel.ticks, top + panel.height_px, top);
+  std::string content = "<g class=\"share\">\n";
+  for (const int percent : {0, 25, 50, 75, 100}) {
+    const double y = axis.at(last * percent / 100);
+    if (y < top - 1) break;
+    content += line(kRight, y, kRight + 4, y, std::string("stroke=\"") + kFaintInk + "\" stroke-width=\"1\"");
+    content += text_at(kRight + 9, y + 4, std::to_string(percent) + " %", {.size_px = 12, .colour = kFaintInk});
+  }
+  content += text_at(kWidth - 16, top + panel.height_px / 2, complete ? "of the final value" : "of the last value",
+                     {.size_px = 12, .colour = kFaintInk, .anchor = "middle", .turned_deg = 90});
+  const auto reached_s = complete ? settled_s(points) : std::nullopt;
+  if (reached_s) {
+    const double x = time.at(*reached_s);
+    const double y = axis.at(0.9 * last);
+    const std::string dashes = std::string("stroke=\"") + kInk + "\" stroke-width=\"0.9\" stroke-dasharray=\"5 4\"";
+    content += line(x, y, kRight, y, dashes) + line(x, y, x, top + panel.height_px, dashes);
+    const double total_s = points.back().elapsed_s;
+    const std::string text = "90 % after " + shown(*reached_s) + " s, " +
+                             std::to_string(static_cast<int>(100 * *reached_s / std::max(total_s, 1e-9) + 0.5)) +
+                             " % of the time";
+    const bool room_right = x + 8 + text_width_px(text, 12) < kRight;
+    content += text_at(room_right ? x + 8 : x - 8, top + panel.height_px - 10, text,
+                       {.size_px = 12, .colour = kInk, .anchor = room_right ? "start" : "end"});
+  }
+  return content + "</g>\n";
+}
+
+std::string subtitle_of(const contract::Merge& merge, Points points) {
+  std::string text = merge.method + ", " + merge.state;
+  if (!points.empty()) {
+    const CurvePoint& last = points.back();
+    text += ": " + std::to_string(last.edges) + " edges between the maps, " + std::to_string(last.verifications) +
+            " verifications, " + std::to_string(last.components) +
+            (last.components == 1 ? " component" : " components") + " after " + shown(last.elapsed_s) + " s";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string curve_svg(const contract::Merge& merge, Points points) {
+  std::string maps;
+  for (const std::string& map : merge.maps) {
+    if (!maps.empty()) maps += " + ";
+    maps += map;
+  }
+  const std::string title = "Merge " + std::to_string(merge.id) + ": " + maps + " \u2192 " + merge.map;
+  std::string content = text_at(kLeft - 56, 46, title, {.size_px = 20, .bold = true});
+  content += text_at(kLeft - 56, 69, subtitle_of(merge, points), {.size_px = 13, .colour = kFaintInk});
+  if (points.empty()) {
+    content += text_at(kWidth / 2, 150, "No point of the curve has been measured yet.",
+                       {.size_px = 14, .colour = kFaintInk, .anchor = "middle"});
+    return svg_document(kWidth, 240, title, content);
+  }
+
+  const auto most = [&](const auto& value) {
+    double largest = 0;
+    for (const CurvePoint& point : points) largest = std::max(largest, value(point));
+    return largest;
+  };
+  const auto connectivity = [](const CurvePoint& p) { return p.largest_component.algebraic_connectivity; };
+  const auto edges = [](const CurvePoint& p) { return static_cast<double>(p.edges); };
+  const auto size = [](const CurvePoint& p) { return static_cast<double>(p.largest_component.vertices); };
+  std::vector<PanelSpec> panels = {
+      {"algebraic connectivity \u03BB\u2082", kMemberColours[0], 240, 5, most(connectivity), connectivity},
+      {"edges between maps", kInterColour, 150, 4, most(edges), edges}};
+  if (std::any_of(points.begin(), points.end(), [&](const CurvePoint& p) { return size(p) != size(points.back()); })) {
+    panels.push_back({"vertices in largest", kMemberColours[1], 110, 3, most(size), size});
+  }
+  double bottom = kTop;
+  for (const PanelSpec& panel : panels) bottom += panel.height_px + kPanelGap;
+  bottom -= kPanelGap;
+
+  const Axis time(points.back().elapsed_s, 8, kLeft, kRight);
+  content += draw_bands(bands_of(points), time, kTop, bottom);
+  double top = kTop;
+  for (std::size_t i = 0; i < panels.size(); ++i) {
+    content += draw_panel(panels[i], points, time, top);
+    if (i == 0) content += draw_share(points, panels[0], time, top, merge.state == "completed");
+    top += panels[i].height_px + kPanelGap;
+  }
+  for (const double tick : time.ticks()) {
+    content +=
+        text_at(time.at(tick), bottom + 20, time.label(tick), {.size_px = 12, .colour = kFaintInk, .anchor = "middle"});
+  }
+  content += text_at((kLeft + kRight) / 2, bottom + 42, "time of the merge (s)", {.size_px = 12.5, .anchor = "middle"});
+  return svg_document(kWidth, bottom + 62, title, content);
+}
+
+}  // namespace mapweld::drawing
