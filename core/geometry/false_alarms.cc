@@ -1,25 +1,43 @@
 #include "core/geometry/false_alarms.h"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <limits>
+#include <utility>
 
 #include "core/geometry/portable_math.h"
 
 namespace mapweld {
 
-Significance significance(std::span<const float> distances2, const ChanceModel& model, double max_distance) {
+Background::Background(std::span<const float> distances2, int dimension)
+    : total_(static_cast<double>(distances2.size())), dimension_(dimension) {
+  constexpr float kRadius2 = static_cast<float>(kRadius * kRadius);
+  std::ranges::copy_if(distances2, std::back_inserter(near2_), [](float d2) { return d2 <= kRadius2; });
+  std::ranges::sort(near2_);
+}
+
+double Background::share_within(double distance) const {
+  const double d2 = distance * distance;
+  const auto within = std::ranges::upper_bound(near2_, static_cast<float>(d2)) - near2_.begin();
+  const double observed = static_cast<double>(within) / total_;
+  double even = static_cast<double>(near2_.size() + 1) / (total_ + 1);
+  const double ratio = std::min(distance / kRadius, 1.0);
+  for (int i = 0; i < dimension_; ++i) even *= ratio;
+  return std::max(observed, even);
+}
+
+Significance significance(std::span<const float> distances2, const ModelClass& model, const Background& background,
+                          double max_distance) {
   Significance best{.inliers = 0, .log10_false_alarms = std::numeric_limits<double>::infinity()};
   const int n = static_cast<int>(distances2.size());
   if (n <= model.sample) return best;
   const double tests = portable_log10(model.solutions * (n - model.sample));
-  const double log_share = portable_log10(model.share_in_radius);
-  const double radius2 = model.radius * model.radius;
-  constexpr double kFinest2 = 1e-6;  // 0.4 px at 320 x 240: below the accuracy of a feature a residual says no more
+  constexpr double kFinest = 0.001;  // 0.4 px at 320 x 240: below the accuracy of a feature a residual says no more
   for (int k = model.sample + 1; k <= n; ++k) {
-    const double d2 = std::max<double>(distances2[k - 1], kFinest2);
-    if (d2 > max_distance * max_distance) break;
-    if (k < n && distances2[k] <= d2) continue;
-    const double log_alpha = std::min(log_share + 0.5 * model.dimension * portable_log10(d2 / radius2), 0.0);
+    const double distance = std::max(std::sqrt(static_cast<double>(distances2[k - 1])), kFinest);
+    if (distance > max_distance) break;
+    const double log_alpha = portable_log10(background.share_within(distance));
     const double nfa = tests + log10_binomial(n, k) + log10_binomial(k, model.sample) + (k - model.sample) * log_alpha;
     if (nfa < best.log10_false_alarms) best = {.inliers = k, .log10_false_alarms = nfa};
   }
@@ -40,12 +58,6 @@ Correspondences shuffled(const Correspondences& c, int max_shifts) {
     }
   }
   return out;
-}
-
-double share_within(std::span<const float> distances2, double radius) {
-  const float radius2 = static_cast<float>(radius * radius);
-  const auto within = std::ranges::count_if(distances2, [&](float d2) { return d2 <= radius2; });
-  return static_cast<double>(within + 1) / static_cast<double>(distances2.size() + 1);
 }
 
 }  // namespace mapweld

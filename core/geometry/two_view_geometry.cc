@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "core/geometry/false_alarms.h"
 #include "core/geometry/fundamental_matrix.h"
@@ -12,16 +13,13 @@
 namespace mapweld {
 namespace {
 
-// Chance is measured this wide around a prediction, and significance looked for up to twice an inlier's distance.
-constexpr double kChanceRadius = 0.03;
-
-double log10_false_alarms(std::vector<float> distances2, int matches, std::vector<float> background_distances2,
-                          ChanceModel model, double inlier_distance) {
+// Significance is looked for up to twice an inlier's distance.
+double log10_false_alarms(std::vector<float> distances2, int matches, std::span<const float> background_distances2,
+                          const ModelClass& model, double inlier_distance) {
   distances2.resize(static_cast<std::size_t>(matches), std::numeric_limits<float>::infinity());
   std::ranges::sort(distances2);
-  model.radius = kChanceRadius;
-  model.share_in_radius = share_within(background_distances2, kChanceRadius);
-  return significance(distances2, model, 2 * inlier_distance).log10_false_alarms;
+  const Background background(background_distances2, model.dimension);
+  return significance(distances2, model, background, 2 * inlier_distance).log10_false_alarms;
 }
 
 }  // namespace
