@@ -121,6 +121,29 @@ std::vector<EdgeRow> list_merge_edges(const Reader& db, JobId job, std::size_t l
   return edges;
 }
 
+std::vector<NewEdge> load_merge_edges(const Reader& db, JobId job) {
+  sqlite::Statement row = db.prepare(
+      "SELECT u, v, votes, matches, inliers, log10_false_alarms, evidence, confirmed, verifications, elapsed_s "
+      "FROM edges WHERE job = ? ORDER BY id");
+  row.bind(1, job);
+  std::vector<NewEdge> edges;
+  while (row.step()) {
+    NewEdge& edge = edges.emplace_back();
+    edge.u = row.id<VertexId>(0);
+    edge.v = row.id<VertexId>(1);
+    edge.votes = static_cast<std::uint32_t>(row.integer(2));
+    edge.verification.accepted = true;
+    edge.verification.matches = static_cast<int>(row.integer(3));
+    edge.verification.inliers = static_cast<int>(row.integer(4));
+    edge.verification.log10_false_alarms = row.real(5);
+    blobs::decode_evidence(row.blob(6), edge.verification);
+    edge.confirmed = row.integer(7) != 0;
+    edge.verifications = static_cast<std::uint64_t>(row.integer(8));
+    edge.elapsed_s = row.real(9);
+  }
+  return edges;
+}
+
 std::vector<Edge> load_edges(const Reader& db, const MapLayout& layout, const EdgeFilter& filter) {
   std::vector<Edge> edges;
   for (const LayoutNode& node : layout.nodes()) {

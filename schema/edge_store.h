@@ -75,6 +75,10 @@ EdgePage list_edges(const Reader& db, const MapLayout& layout, const EdgeFilter&
 // The inter edges of a merge in order of insertion, those after `after`.
 std::vector<EdgeRow> list_merge_edges(const Reader& db, JobId job, std::size_t limit, std::optional<EdgeId> after = {});
 
+// The inter edges of a merge with all their evidence, in order of insertion: what the merge goes on from. Throws
+// StoreError kCorrupt when a blob is damaged.
+std::vector<NewEdge> load_merge_edges(const Reader& db, JobId job);
+
 // All edges that a map shows, for building its graph; in the order of list_edges.
 std::vector<Edge> load_edges(const Reader& db, const MapLayout& layout, const EdgeFilter& filter = {});
 

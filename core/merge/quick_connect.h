@@ -28,7 +28,7 @@ namespace mapweld {
 class QuickConnect final : public PairMerger {
  public:
   static constexpr std::string_view kName = "quickconnect";
-  static constexpr std::uint64_t kDenseCells = std::uint64_t{1} << 26;  // 128 MiB
+  static constexpr std::uint64_t kDenseCells = std::uint64_t{1} << 23;  // 16 MiB, written to a checkpoint in about 50 ms
   // A word with more pairs of images than this is voted for in several steps.
   static constexpr std::uint64_t kPairsPerStep = std::uint64_t{1} << 22;
 

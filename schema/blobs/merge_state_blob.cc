@@ -1,0 +1,389 @@
+#include "schema/blobs/merge_state_blob.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <string_view>
+#include <utility>
+
+#include <zstd.h>
+
+#include "core/errors.h"
+
+namespace mapweld::blobs {
+namespace {
+
+constexpr char kFormat = 'M';
+constexpr std::uint8_t kVersion = 1;
+constexpr int kLevel = 1;  // S is written while the merge waits: speed counts
+constexpr std::uint64_t kMostContent = std::uint64_t{1} << 34;
+
+[[noreturn]] void corrupt(const std::string& what) {
+  throw StoreError(StoreErrorKind::kCorrupt, "a merge's checkpoint is damaged: " + what);
+}
+
+// The content of a part, to be packed. Unlike ByteWriter it has no frame of its own.
+class Content {
+ public:
+  void u8(std::uint8_t value) { bytes_.push_back(value); }
+  void u64(std::uint64_t value) {
+    for (int shift = 0; shift < 64; shift += 8) bytes_.push_back(static_cast<std::uint8_t>(value >> shift));
+  }
+  void varint(std::uint64_t value) {
+    for (; value >= 0x80; value >>= 7) bytes_.push_back(static_cast<std::uint8_t>(value | 0x80));
+    bytes_.push_back(static_cast<std::uint8_t>(value));
+  }
+  void text(std::string_view value) {
+    varint(value.size());
+    bytes_.insert(bytes_.end(), value.begin(), value.end());
+  }
+  void candidate(const Candidate& c) {
+    varint(to_index(c.source));
+    varint(to_index(c.target));
+    varint(c.votes);
+  }
+  void flags(const std::vector<std::uint8_t>& values) {
+    for (std::size_t i = 0; i < values.size(); i += 8) {
+      std::uint8_t byte = 0;
+      for (std::size_t k = i; k < std::min(i + 8, values.size()); ++k) byte |= (values[k] != 0 ? 1 : 0) << (k - i);
+      bytes_.push_back(byte);
+    }
+  }
+  void planes(std::span<const std::uint16_t> values) {
+    const std::size_t at = bytes_.size();
+    bytes_.resize(at + 2 * values.size());
+    std::uint8_t* low = bytes_.data() + at;
+    std::uint8_t* high = low + values.size();
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      low[i] = static_cast<std::uint8_t>(values[i]);
+      high[i] = static_cast<std::uint8_t>(values[i] >> 8);
+    }
+  }
+  MergeStatePart pack(std::string name) && {
+    Bytes packed(ZSTD_compressBound(bytes_.size()));
+    const std::size_t size = ZSTD_compress(packed.data(), packed.size(), bytes_.data(), bytes_.size(), kLevel);
+    if (ZSTD_isError(size)) throw FormatError("a merge state cannot be packed");
+    ByteWriter writer(kFormat, kVersion);
+    writer.reserve(size + 10);
+    writer.varint(bytes_.size());
+    writer.raw(std::span(packed).first(size));
+    return {std::move(name), std::move(writer).finish()};
+  }
+
+ private:
+  Bytes bytes_;
+};
+
+class ContentReader {
+ public:
+  explicit ContentReader(const MergeStatePart& part) : name_(part.name) {
+    ByteReader reader(part.bytes, kFormat, kVersion);
+    const std::uint64_t size = reader.varint();
+    const std::span<const std::uint8_t> packed = reader.raw(reader.left());
+    if (size > kMostContent || ZSTD_getFrameContentSize(packed.data(), packed.size()) != size) fail();
+    bytes_.resize(size);
+    if (ZSTD_decompress(bytes_.data(), size, packed.data(), packed.size()) != size) fail();
+  }
+  std::uint8_t u8() {
+    need(1);
+    return bytes_[at_++];
+  }
+  std::uint64_t u64() {
+    need(8);
+    std::uint64_t value = 0;
+    for (int shift = 0; shift < 64; shift += 8) value |= std::uint64_t{bytes_[at_++]} << shift;
+    return value;
+  }
+  std::uint64_t varint() {
+    std::uint64_t value = 0;
+    for (int shift = 0; shift < 64; shift += 7) {
+      const std::uint8_t byte = u8();
+      value |= std::uint64_t{byte & 0x7fU} << shift;
+      if (byte < 0x80) return value;
+    }
+    fail();
+  }
+  std::uint32_t varint32() {
+    const std::uint64_t value = varint();
+    if (value > UINT32_MAX) fail();
+    return static_cast<std::uint32_t>(value);
+  }
+  // A number of things that take at least a byte each.
+  std::size_t count() {
+    const std::uint64_t value = varint();
+    if (value > bytes_.size() - at_) fail();
+    return value;
+  }
+  std::string text() {
+    const std::size_t size = count();
+    const std::string value(bytes_.begin() + static_cast<std::ptrdiff_t>(at_),
+                            bytes_.begin() + static_cast<std::ptrdiff_t>(at_ + size));
+    at_ += size;
+    return value;
+  }
+  Candidate candidate() {
+    const VertexId source{varint32()}, target{varint32()};
+    return {source, target, varint32()};
+  }
+  std::vector<std::uint8_t> flags(std::uint64_t size) {
+    if (size / 8 > bytes_.size() - at_) fail();
+    std::vector<std::uint8_t> values(size);
+    std::uint8_t byte = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+      if (i % 8 == 0) byte = u8();
+      values[i] = (byte >> (i % 8)) & 1;
+    }
+    return values;
+  }
+  std::vector<std::uint16_t> planes(std::size_t size) {
+    if ((bytes_.size() - at_) / 2 < size) fail();
+    std::vector<std::uint16_t> values(size);
+    const std::uint8_t* low = bytes_.data() + at_;
+    const std::uint8_t* high = low + size;
+    for (std::size_t i = 0; i < size; ++i) values[i] = static_cast<std::uint16_t>(low[i] | high[i] << 8);
+    at_ += 2 * size;
+    return values;
+  }
+  void finish() const {
+    if (at_ != bytes_.size()) fail();
+  }
+  [[noreturn]] void fail() const { corrupt("part '" + name_ + "' does not make sense"); }
+
+ private:
+  void need(std::size_t bytes) const {
+    if (bytes_.size() - at_ < bytes) fail();
+  }
+  std::string name_;
+  Bytes bytes_;
+  std::size_t at_ = 0;
+};
+
+std::string rejected_page_name(std::size_t page) {
+  char name[32];
+  std::snprintf(name, sizeof(name), "rejected-%06zu", page);
+  return name;
+}
+
+std::size_t rejected_pages(std::size_t rejected) { return (rejected + kRejectedPerPage - 1) / kRejectedPerPage; }
+
+MergeStatePart encode_state(const MergeState& state) {
+  const PairSearch& search = state.search;
+  Content content;
+  content.text(state.method);
+  content.u64(state.input_fingerprint);
+  content.u8(static_cast<std::uint8_t>(state.phase));
+  content.varint(state.step);
+  content.varint(state.verifications);
+  content.varint(state.candidates_known);
+  content.u64(state.random);
+  content.varint(search.words_processed);
+  content.varint(search.word_in_hand == PairSearch::kNoWord ? 0 : std::uint64_t{search.word_in_hand} + 1);
+  content.varint(search.word_next_row);
+  content.varint(search.pending.size());
+  content.varint(search.pending_next);
+  for (const Candidate& c : search.pending) content.candidate(c);
+  content.varint(search.postponed.size());
+  content.varint(search.postponed_next);
+  content.varint(search.next_row);
+  content.varint(state.edges.size());
+  content.varint(state.rejected.size());
+  return std::move(content).pack("state");
+}
+
+// What the other parts must agree with.
+struct Totals {
+  std::uint64_t postponed = 0;
+  std::uint64_t edges = 0;
+  std::uint64_t rejected = 0;
+};
+
+Totals decode_state(const MergeStatePart& part, MergeState& state) {
+  PairSearch& search = state.search;
+  ContentReader content(part);
+  Totals totals;
+  state.method = content.text();
+  state.input_fingerprint = content.u64();
+  const std::uint8_t phase = content.u8();
+  if (phase > static_cast<std::uint8_t>(MergePhase::kDone)) content.fail();
+  state.phase = static_cast<MergePhase>(phase);
+  state.step = content.varint();
+  state.verifications = content.varint();
+  state.candidates_known = content.varint();
+  state.random = content.u64();
+  search.words_processed = content.varint32();
+  const std::uint64_t word = content.varint();
+  if (word > UINT32_MAX) content.fail();
+  search.word_in_hand = word == 0 ? PairSearch::kNoWord : static_cast<std::uint32_t>(word - 1);
+  search.word_next_row = content.varint32();
+  search.pending.resize(content.count());
+  search.pending_next = content.varint();
+  for (Candidate& c : search.pending) c = content.candidate();
+  totals.postponed = content.varint();
+  search.postponed_next = content.varint();
+  search.next_row = content.varint32();
+  totals.edges = content.varint();
+  totals.rejected = content.varint();
+  content.finish();
+  return totals;
+}
+
+MergeStatePart encode_similarity(const SimilarityMatrix& matrix) {
+  Content content;
+  content.u8(matrix.is_sparse() ? 1 : 0);
+  content.varint(matrix.rows());
+  content.varint(matrix.columns());
+  if (matrix.is_sparse()) {
+    const auto offsets = matrix.offsets();
+    content.varint(matrix.appended_rows());
+    for (std::uint32_t row = 0; row < matrix.appended_rows(); ++row) {
+      content.varint(offsets[row + 1] - offsets[row]);
+      std::uint32_t before = 0;
+      for (std::uint64_t k = offsets[row]; k < offsets[row + 1]; ++k) {
+        content.varint(matrix.kept_columns()[k] - before);
+        before = matrix.kept_columns()[k];
+      }
+    }
+  }
+  content.planes(matrix.votes());
+  return std::move(content).pack("similarity");
+}
+
+SimilarityMatrix decode_similarity(const MergeStatePart& part) {
+  ContentReader content(part);
+  const bool is_sparse = content.u8() != 0;
+  const std::uint32_t rows = content.varint32(), columns = content.varint32();
+  std::uint64_t cells = std::uint64_t{rows} * columns;
+  std::vector<std::uint64_t> offsets;
+  std::vector<std::uint32_t> kept;
+  if (is_sparse) {
+    offsets.assign(1, 0);
+    for (std::size_t left = content.count(); left > 0; --left) {
+      std::uint32_t column = 0;
+      for (std::size_t k = content.count(); k > 0; --k) kept.push_back(column += content.varint32());
+      offsets.push_back(kept.size());
+    }
+    cells = kept.size();
+  }
+  std::vector<std::uint16_t> votes = content.planes(cells);
+  content.finish();
+  return SimilarityMatrix::restore(is_sparse, rows, columns, std::move(offsets), std::move(kept), std::move(votes));
+}
+
+MergeStatePart encode_queue(const PairSearch& search) {
+  Content content;
+  content.varint(search.priorities.size());
+  content.flags(search.word_processed);
+  for (const std::uint32_t priority : search.priorities) content.varint(priority);
+  content.varint(search.source_processed.size());
+  content.flags(search.source_processed);
+  return std::move(content).pack("queue");
+}
+
+void decode_queue(const MergeStatePart& part, PairSearch& search) {
+  ContentReader content(part);
+  search.priorities.resize(content.count());
+  search.word_processed = content.flags(search.priorities.size());
+  for (std::uint32_t& priority : search.priorities) priority = content.varint32();
+  search.source_processed = content.flags(content.varint());
+  content.finish();
+}
+
+MergeStatePart encode_postponed(const PairSearch& search) {
+  Content content;
+  for (const Candidate& c : search.postponed) content.candidate(c);
+  return std::move(content).pack("postponed");
+}
+
+void decode_postponed(const MergeStatePart& part, std::uint64_t count, PairSearch& search) {
+  ContentReader content(part);
+  search.postponed.reserve(std::min<std::uint64_t>(count, 1 << 20));
+  for (std::uint64_t i = 0; i < count; ++i) search.postponed.push_back(content.candidate());
+  content.finish();
+}
+
+MergeStatePart encode_rejected_page(const std::vector<RejectedPair>& rejected, std::size_t page) {
+  Content content;
+  const std::size_t end = std::min(rejected.size(), (page + 1) * kRejectedPerPage);
+  for (std::size_t i = page * kRejectedPerPage; i < end; ++i) {
+    content.varint(to_index(rejected[i].source));
+    content.varint(to_index(rejected[i].target));
+    content.u8(static_cast<std::uint8_t>(rejected[i].reason));
+    content.varint(rejected[i].matches);
+    content.varint(rejected[i].inliers);
+  }
+  return std::move(content).pack(rejected_page_name(page));
+}
+
+void decode_rejected_page(const MergeStatePart& part, std::uint64_t count, std::vector<RejectedPair>& rejected) {
+  ContentReader content(part);
+  const auto u16 = [&content] {
+    const std::uint32_t value = content.varint32();
+    if (value > UINT16_MAX) content.fail();
+    return static_cast<std::uint16_t>(value);
+  };
+  for (std::uint64_t i = 0; i < count; ++i) {
+    RejectedPair pair;
+    pair.source = VertexId{content.varint32()};
+    pair.target = VertexId{content.varint32()};
+    const std::uint8_t reason = content.u8();
+    if (reason > static_cast<std::uint8_t>(Reason::kUnsupported)) content.fail();
+    pair.reason = static_cast<Reason>(reason);
+    pair.matches = u16();
+    pair.inliers = u16();
+    rejected.push_back(pair);
+  }
+  content.finish();
+}
+
+const MergeStatePart& find_part(std::span<const MergeStatePart> parts, std::string_view name) {
+  const auto found = std::ranges::find(parts, name, &MergeStatePart::name);
+  if (found == parts.end()) corrupt("part '" + std::string(name) + "' is missing");
+  return *found;
+}
+
+// Whether the search itself (S, W, L) may still change in this phase; verification and refinement only walk along it.
+bool search_is_open(MergePhase phase) { return phase == MergePhase::kVoting || phase == MergePhase::kExploration; }
+
+}  // namespace
+
+MergeStateMark mark_of(const MergeState& state) { return {state.phase, state.rejected.size()}; }
+
+std::vector<MergeStatePart> encode_merge_state(const MergeState& state, const std::optional<MergeStateMark>& stored) {
+  std::vector<MergeStatePart> parts;
+  parts.push_back(encode_state(state));
+  if (!stored || search_is_open(stored->phase)) {
+    parts.push_back(encode_similarity(state.search.similarity));
+    parts.push_back(encode_queue(state.search));
+    parts.push_back(encode_postponed(state.search));
+  }
+  if (!stored || stored->rejected < state.rejected.size()) {
+    const std::size_t first = stored ? stored->rejected / kRejectedPerPage : 0;
+    for (std::size_t page = first; page < rejected_pages(state.rejected.size()); ++page) {
+      parts.push_back(encode_rejected_page(state.rejected, page));
+    }
+  }
+  return parts;
+}
+
+MergeState decode_merge_state(std::span<const MergeStatePart> parts, std::vector<MergeEdge> edges) {
+  try {
+    MergeState state;
+    const Totals totals = decode_state(find_part(parts, "state"), state);
+    if (totals.edges != edges.size()) {
+      corrupt("it counts " + std::to_string(totals.edges) + " edges, of which " + std::to_string(edges.size()) +
+              " are stored");
+    }
+    state.edges = std::move(edges);
+    state.search.similarity = decode_similarity(find_part(parts, "similarity"));
+    decode_queue(find_part(parts, "queue"), state.search);
+    decode_postponed(find_part(parts, "postponed"), totals.postponed, state.search);
+    for (std::size_t page = 0; page < rejected_pages(totals.rejected); ++page) {
+      const std::uint64_t count = std::min<std::uint64_t>(kRejectedPerPage, totals.rejected - page * kRejectedPerPage);
+      decode_rejected_page(find_part(parts, rejected_page_name(page)), count, state.rejected);
+    }
+    return state;
+  } catch (const FormatError& error) {
+    corrupt(error.what());
+  }
+}
+
+}  // namespace mapweld::blobs
