@@ -70,7 +70,7 @@ class Client {
 
   // Uploads are safe to repeat: the same name with the same bytes gets the first outcome again.
   Answer<contract::Upload> upload_image(const std::string& map, const ImageFile& image);
-  // At most contract::kMaxBatchImages, whose names have neither '"' nor '\'. The items stand in the order of `images`.
+  // At most contract::kMaxBatchImages, whose names have none of " \ %. The items stand in the order of `images`.
   Answer<contract::Batch> upload_batch(const std::string& map, const std::vector<ImageFile>& images);
 
   Answer<std::vector<contract::Vertex>> vertices(const std::string& map);

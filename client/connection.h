@@ -19,7 +19,7 @@ struct ConnectionOptions {
 
 // A part of a multipart/form-data body.
 struct FormPart {
-  std::string file_name;  // without '"' and '\', which have no agreed way to be written there
+  std::string file_name;  // without " \ %, which servers read in more than one way there
   std::string content_type;
   std::string bytes;
 };

@@ -28,8 +28,8 @@ bool concerns_one_image(const Problem& problem) {
 
 bool may_pass(const ServerProblem& problem) { return problem.status() == 429 || problem.status() == 503; }
 
-// A name that cannot stand in a part's header goes by itself, with its name in the query.
-bool fits_in_form(const std::string& name) { return name.find_first_of("\"\\") == std::string::npos; }
+// A name that cannot stand in a part's header, or is read in more than one way there, goes by itself, in the query.
+bool fits_in_form(const std::string& name) { return name.find_first_of("\"\\%") == std::string::npos; }
 
 class Uploader {
  public:

@@ -147,7 +147,7 @@ std::string draw_share(Points points, const PanelSpec& panel, const Axis& time, 
                              " % of the time";
     const bool room_right = x + 8 + text_width_px(text, 12) < kRight;
     content += text_at(room_right ? x + 8 : x - 8, top + panel.height_px - 10, text,
-                       {.size_px = 12, .colour = kInk, .anchor = room_right ? "start" : "end"});
+                       {.size_px = 12, .colour = kInk, .anchor = room_right ? "start" : "end", .halo = true});
   }
   return content + "</g>\n";
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <stdexcept>
@@ -12,11 +13,9 @@
 namespace mapweld::drawing {
 namespace {
 
-using Edges = std::vector<std::pair<std::size_t, std::size_t>>;
-
 struct Component {
   std::vector<std::size_t> vertices;
-  Edges edges;  // of indices into `vertices`
+  std::vector<LayoutEdge> edges;  // of indices into `vertices`
   std::vector<Position> positions;
   double width = 0;
   double height = 0;
@@ -28,15 +27,17 @@ struct Parts {
   std::vector<std::size_t> isolated;
 };
 
-Parts parts_of(std::size_t vertices, std::span<const std::pair<std::size_t, std::size_t>> edges) {
+Parts parts_of(std::size_t vertices, std::span<const LayoutEdge> edges) {
   std::vector<std::size_t> root(vertices);
   std::iota(root.begin(), root.end(), 0);
   const auto find = [&](std::size_t v) {
     while (root[v] != v) v = root[v] = root[root[v]];
     return v;
   };
-  for (const auto& [u, v] : edges) {
-    if (u >= vertices || v >= vertices) throw std::invalid_argument("an edge names a vertex that does not exist");
+  for (const auto& [u, v, length] : edges) {
+    if (u >= vertices || v >= vertices || length < 1) {
+      throw std::invalid_argument("an edge names a vertex that does not exist, or has no length");
+    }
     const std::size_t a = find(u);
     const std::size_t b = find(v);
     root[std::max(a, b)] = std::min(a, b);
@@ -48,8 +49,9 @@ Parts parts_of(std::size_t vertices, std::span<const std::pair<std::size_t, std:
     place[v] = component.vertices.size();
     component.vertices.push_back(v);
   }
-  for (const auto& [u, v] : edges) {
-    if (u != v) by_root[find(u)].edges.emplace_back(std::min(place[u], place[v]), std::max(place[u], place[v]));
+  for (const auto& [u, v, length] : edges) {
+    if (u == v) continue;
+    by_root[find(u)].edges.push_back({std::min(place[u], place[v]), std::max(place[u], place[v]), length});
   }
   Parts parts;
   for (Component& component : by_root) {
@@ -87,7 +89,16 @@ class Graphviz {
     for (std::size_t i = 0; i < component.vertices.size(); ++i) {
       nodes.push_back(agnode(graph.get(), writable(std::to_string(i)), 1));
     }
-    for (const auto& [a, b] : component.edges) agedge(graph.get(), nodes[a], nodes[b], nullptr, 1);
+    std::size_t links = 0;
+    for (const auto& [a, b, length] : component.edges) {
+      Agnode_t* end = nodes[a];
+      for (int i = 1; i < length; ++i) {
+        Agnode_t* link = agnode(graph.get(), writable("link" + std::to_string(links++)), 1);
+        agedge(graph.get(), end, link, nullptr, 1);
+        end = link;
+      }
+      agedge(graph.get(), end, nodes[b], nullptr, 1);
+    }
     if (gvLayout(context_, graph.get(), "sfdp") != 0) {
       throw std::runtime_error("Graphviz cannot lay out the graph: its sfdp plugin is missing (Debian: libgvc6).");
     }
@@ -132,8 +143,8 @@ void straighten(Component& component) {
     p = {x, (p.y - mean.y) * std::cos(angle) - (p.x - mean.x) * std::sin(angle)};
   }
   std::vector<double> lengths;
-  for (const auto& [a, b] : component.edges) {
-    lengths.push_back(std::hypot(positions[a].x - positions[b].x, positions[a].y - positions[b].y));
+  for (const auto& [a, b, length] : component.edges) {
+    lengths.push_back(std::hypot(positions[a].x - positions[b].x, positions[a].y - positions[b].y) / length);
   }
   std::nth_element(lengths.begin(), lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2), lengths.end());
   const double unit = std::max(lengths[lengths.size() / 2], 1e-9);
@@ -147,69 +158,119 @@ void straighten(Component& component) {
   for (Position& p : positions) p = {(p.x - corner.x) / unit, (p.y - corner.y) / unit};
 }
 
-// Rows of boxes, each row as wide as the layout.
-class Shelves {
+// Packs boxes into a strip of a given width, each as high up as the boxes before it allow (a skyline: the lower edge of
+// what has been placed, as steps from left to right).
+class Skyline {
  public:
-  explicit Shelves(Layout& layout, double gap) : layout_(layout), gap_(gap) {}
+  explicit Skyline(double width) : width_(width), steps_{{0, 0}} {}
 
-  // Makes room for a box and returns its corner.
-  Position add(double width, double height) {
-    if (x_ > 0 && x_ + width > layout_.width) next_row();
-    const Position corner{x_, y_};
-    x_ += width + gap_;
-    row_height_ = std::max(row_height_, height);
-    layout_.width = std::max(layout_.width, corner.x + width);
-    layout_.height = std::max(layout_.height, y_ + row_height_);
-    return corner;
+  Position add(double box_width, double box_height) {
+    Position best{0, std::numeric_limits<double>::infinity()};
+    for (const Position& step : steps_) {
+      if (step.x > 0 && step.x + box_width > width_) break;
+      const double y = depth(step.x, step.x + box_width);
+      if (y < best.y) best = {step.x, y};
+    }
+    cover(best.x, best.x + box_width, best.y + box_height);
+    height_ = std::max(height_, best.y + box_height);
+    return best;
   }
-  void next_row() {
-    y_ += row_height_ + gap_;
-    x_ = 0;
-    row_height_ = 0;
-  }
+  double height() const { return height_; }
 
  private:
-  Layout& layout_;
-  double gap_;
-  double x_ = 0;
-  double y_ = 0;
-  double row_height_ = 0;
+  // How far down the skyline reaches between two places.
+  double depth(double from, double to) const {
+    double deepest = 0;
+    for (std::size_t i = 0; i < steps_.size(); ++i) {
+      const double end = i + 1 < steps_.size() ? steps_[i + 1].x : std::numeric_limits<double>::infinity();
+      if (steps_[i].x < to && end > from) deepest = std::max(deepest, steps_[i].y);
+    }
+    return deepest;
+  }
+
+  void cover(double from, double to, double y) {
+    std::vector<Position> steps;
+    double after = 0;  // the depth that goes on behind the box
+    for (const Position& step : steps_) {
+      if (step.x <= to) after = step.y;
+      if (step.x < from || step.x > to) steps.push_back(step);
+    }
+    steps.push_back({from, y});
+    steps.push_back({to, after});
+    std::sort(steps.begin(), steps.end(), [](const Position& a, const Position& b) { return a.x < b.x; });
+    steps_ = std::move(steps);
+  }
+
+  double width_;
+  double height_ = 0;
+  std::vector<Position> steps_;
 };
+
+constexpr double kGap = 1.5;           // between components, in edge lengths
+constexpr double kIsolatedStep = 1.0;  // between vertices without edges
+constexpr double kAspect = 1.5;        // width to height of the whole that is aimed at
+
+// Packs the components into a strip of this width; returns their corners and the height.
+std::pair<std::vector<Position>, double> packed(const std::vector<Component>& components, double width) {
+  Skyline skyline(width);
+  std::vector<Position> corners;
+  for (const Component& component : components) {
+    corners.push_back(skyline.add(component.width + kGap, component.height + kGap));
+  }
+  return {std::move(corners), skyline.height()};
+}
 
 }  // namespace
 
-Layout layout_graph(std::size_t vertices, std::span<const std::pair<std::size_t, std::size_t>> edges) {
+Layout layout_graph(std::size_t vertices, std::span<const LayoutEdge> edges) {
   Parts parts = parts_of(vertices, edges);
   Layout layout;
   layout.positions.resize(vertices);
-  double area = 0;
   {
     Graphviz graphviz;
     for (Component& component : parts.components) {
       graphviz.place(component);
       straighten(component);
-      area += (component.width + 2) * (component.height + 2);
     }
   }
-  const double isolated_step = 1.0;
-  area += static_cast<double>(parts.isolated.size()) * isolated_step * isolated_step;
-  layout.width = 1.3 * std::sqrt(area);
-  if (!parts.components.empty()) layout.width = std::max(layout.width, parts.components[0].width);
-  Shelves shelves(layout, 1.5);
+  double widest = 1;
+  double area = static_cast<double>(parts.isolated.size()) * kIsolatedStep * kIsolatedStep;
   for (const Component& component : parts.components) {
-    const Position corner = shelves.add(component.width, component.height);
-    for (std::size_t i = 0; i < component.vertices.size(); ++i) {
-      layout.positions[component.vertices[i]] = {corner.x + component.positions[i].x,
-                                                 corner.y + component.positions[i].y};
+    widest = std::max(widest, component.width + kGap);
+    area += (component.width + kGap) * (component.height + kGap);
+  }
+  // Of some widths, the one whose packing comes closest to the aspect wanted without being much larger.
+  double best_cost = std::numeric_limits<double>::infinity();
+  std::vector<Position> corners;
+  for (const double factor : {0.8, 0.9, 1.0, 1.15, 1.3, 1.5, 1.75, 2.0}) {
+    const double width = std::max(widest, factor * std::sqrt(kAspect * area));
+    auto [candidate, height] = packed(parts.components, width);
+    const double cost = std::max(width, kAspect * height);
+    if (cost < best_cost) {
+      best_cost = cost;
+      layout.width = width;
+      layout.height = height;
+      corners = std::move(candidate);
     }
   }
-  if (!parts.components.empty()) shelves.next_row();
-  const double top = parts.components.empty() ? 0 : shelves.add(0, 0).y;
-  const auto columns = std::max<std::size_t>(1, static_cast<std::size_t>(layout.width / isolated_step));
+  for (std::size_t c = 0; c < parts.components.size(); ++c) {
+    const Component& component = parts.components[c];
+    for (std::size_t i = 0; i < component.vertices.size(); ++i) {
+      layout.positions[component.vertices[i]] = {corners[c].x + component.positions[i].x,
+                                                 corners[c].y + component.positions[i].y};
+    }
+  }
+  const double top = layout.height;
+  const auto columns = std::max<std::size_t>(1, static_cast<std::size_t>(layout.width / kIsolatedStep));
   for (std::size_t i = 0; i < parts.isolated.size(); ++i) {
-    const Position position{static_cast<double>(i % columns) * isolated_step,
-                            top + static_cast<double>(i / columns) * isolated_step};
-    layout.positions[parts.isolated[i]] = position;
+    layout.positions[parts.isolated[i]] = {static_cast<double>(i % columns) * kIsolatedStep,
+                                           top + static_cast<double>(i / columns) * kIsolatedStep};
+  }
+  // The box that is really used.
+  layout.width = 0;
+  layout.height = 0;
+  for (const Position& position : layout.positions) {
+    layout.width = std::max(layout.width, position.x);
     layout.height = std::max(layout.height, position.y);
   }
   return layout;

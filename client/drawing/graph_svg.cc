@@ -20,6 +20,7 @@ constexpr double kMargin = 36;
 constexpr double kDrawingWidth = 1100;
 constexpr double kMaxDrawingHeight = 1000;
 constexpr double kMinDrawingHeight = 160;
+static const int kInterLength = getenv("IL")?atoi(getenv("IL")):2;
 
 bool is_inter(const Edge& edge) { return edge.kind == "inter"; }
 
@@ -85,13 +86,13 @@ std::string line_mark(const char* colour, double width, bool dashed) {
 std::string graph_svg(const std::string& name, const Graph& graph) {
   std::map<std::int64_t, std::size_t> index;  // of a vertex number
   for (std::size_t i = 0; i < graph.vertices.size(); ++i) index.emplace(graph.vertices[i].vertex, i);
-  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  std::vector<LayoutEdge> pairs;
   std::vector<const Edge*> edges;
   for (const Edge& edge : graph.edges) {
     const auto u = index.find(edge.u);
     const auto v = index.find(edge.v);
     if (u == index.end() || v == index.end()) continue;
-    pairs.emplace_back(u->second, v->second);
+    pairs.push_back({u->second, v->second, is_inter(edge) ? kInterLength : 1});
     edges.push_back(&edge);
   }
   const Layout layout = layout_graph(graph.vertices.size(), pairs);
@@ -138,8 +139,8 @@ std::string graph_svg(const std::string& name, const Graph& graph) {
     content += std::string("<g class=\"") + kind + "\" " + style + ">\n";
     for (std::size_t i = 0; i < edges.size(); ++i) {
       if (!belongs(*edges[i])) continue;
-      const Position a = at(pairs[i].first);
-      const Position b = at(pairs[i].second);
+      const Position a = at(pairs[i].u);
+      const Position b = at(pairs[i].v);
       content +=
           "<line x1=\"" + px(a.x) + "\" y1=\"" + px(a.y) + "\" x2=\"" + px(b.x) + "\" y2=\"" + px(b.y) + "\"/>\n";
     }

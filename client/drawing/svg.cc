@@ -85,6 +85,7 @@ std::string text_at(double x_px, double y_px, std::string_view text, const TextS
   std::string element = "<text x=\"" + px(x_px) + "\" y=\"" + px(y_px) + "\" font-size=\"" + px(style.size_px);
   element += "\" fill=\"" + std::string(style.colour) + "\"";
   if (std::string_view(style.anchor) != "start") element += " text-anchor=\"" + std::string(style.anchor) + "\"";
+  if (style.halo) element += " stroke=\"#FFFFFF\" stroke-width=\"4\" stroke-linejoin=\"round\" paint-order=\"stroke\"";
   if (style.bold) element += " font-weight=\"600\"";
   if (style.turned_deg != 0) {
     element += " transform=\"rotate(" + px(style.turned_deg) + " " + px(x_px) + " " + px(y_px) + ")\"";
@@ -98,7 +99,7 @@ double text_width_px(std::string_view text, double size_px) {
     if ((static_cast<unsigned char>(c) & 0xC0U) == 0x80) continue;
     const bool narrow = c == ' ' || c == '.' || c == ',' || c == 'i' || c == 'l' || c == 't' || c == 'f' || c == 'j';
     const bool wide = (c >= 'A' && c <= 'Z') || c == 'm' || c == 'w';
-    ems += narrow ? 0.30 : wide ? 0.72 : 0.56;
+    ems += narrow ? 0.36 : wide ? 0.76 : 0.63;
   }
   return ems * size_px;
 }

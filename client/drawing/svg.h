@@ -34,6 +34,7 @@ struct TextStyle {
   const char* colour = kInk;
   const char* anchor = "start";  // "start", "middle", "end"
   bool bold = false;
+  bool halo = false;      // a white rim, over lines
   double turned_deg = 0;  // about its own position
 };
 std::string text_at(double x_px, double y_px, std::string_view text, const TextStyle& style = {});
