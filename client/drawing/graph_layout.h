@@ -14,7 +14,8 @@ struct Position {
   friend bool operator==(const Position&, const Position&) = default;
 };
 
-// An undirected edge. An edge of length 2 or more pulls as if it had so many links: its ends come to stand further apart.
+// An undirected edge. An edge of length 2 or more pulls as if it had so many links: its ends come to stand further
+// apart.
 struct LayoutEdge {
   std::size_t u = 0;
   std::size_t v = 0;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "client/drawing/graph_layout.h"
+#include "client/drawing/strands.h"
 #include "client/drawing/svg.h"
 
 namespace mapweld::drawing {
@@ -20,7 +21,6 @@ constexpr double kMargin = 36;
 constexpr double kDrawingWidth = 1100;
 constexpr double kMaxDrawingHeight = 1000;
 constexpr double kMinDrawingHeight = 160;
-static const int kInterLength = getenv("IL")?atoi(getenv("IL")):2;
 
 bool is_inter(const Edge& edge) { return edge.kind == "inter"; }
 
@@ -92,13 +92,17 @@ std::string graph_svg(const std::string& name, const Graph& graph) {
     const auto u = index.find(edge.u);
     const auto v = index.find(edge.v);
     if (u == index.end() || v == index.end()) continue;
-    pairs.push_back({u->second, v->second, is_inter(edge) ? kInterLength : 1});
+    pairs.push_back({u->second, v->second, 1});
     edges.push_back(&edge);
   }
-  const Layout layout = layout_graph(graph.vertices.size(), pairs);
-
   std::map<std::string, std::size_t> member_number;
   const std::vector<Member> members = members_of(graph, member_number);
+  Layout layout = layout_graph(graph.vertices.size(), pairs);
+  if (members.size() > 1) {
+    std::vector<std::size_t> group;
+    for (const Vertex& vertex : graph.vertices) group.push_back(member_number.at(vertex.map));
+    separate_strands(layout, group, pairs);
+  }
   const auto inter = static_cast<std::size_t>(
       std::count_if(edges.begin(), edges.end(), [](const Edge* e) { return is_inter(*e) && e->confirmed; }));
   const auto doubtful = static_cast<std::size_t>(
@@ -107,9 +111,14 @@ std::string graph_svg(const std::string& name, const Graph& graph) {
 
   Heading heading;
   heading.title(name);
-  heading.subtitle(number_of(graph.vertices.size(), "vertex", "vertices") + ", " +
-                   number_of(edges.size(), "edge", "edges") +
-                   ". Placed by the graph alone: near means connected, not near in metres.");
+  std::vector<bool> has_edge(graph.vertices.size(), false);
+  for (const LayoutEdge& pair : pairs) has_edge[pair.u] = has_edge[pair.v] = true;
+  const auto lonely = static_cast<std::size_t>(std::count(has_edge.begin(), has_edge.end(), false));
+  std::string counts = number_of(graph.vertices.size(), "vertex", "vertices");
+  if (lonely > 0) counts += " (" + std::to_string(lonely) + " without an edge, in rows at the bottom)";
+  counts += ", " + number_of(edges.size(), "edge", "edges") + ". Placed by the graph alone: near means connected.";
+  if (inter > 0) counts += " Maps that run together are drawn side by side.";
+  heading.subtitle(counts);
   for (const Member& member : members) {
     heading.entry(dot_mark(member.colour), member.name + ": " + number_of(member.vertices, "vertex", "vertices"));
   }
@@ -124,7 +133,7 @@ std::string graph_svg(const std::string& name, const Graph& graph) {
 
   const double width = std::max(layout.width, 1e-6);
   const double height = std::max(layout.height, 1e-6);
-  const double unit_px = std::min({kDrawingWidth / width, kMaxDrawingHeight / height, 60.0});
+  const double unit_px = std::min({kDrawingWidth / width, kMaxDrawingHeight / height, 90.0});
   const double radius_px = std::clamp(0.30 * unit_px, 1.8, 7.0);
   const double drawing_height = std::max(layout.height * unit_px, kMinDrawingHeight);
   const double left = kMargin + (kDrawingWidth - layout.width * unit_px) / 2;
