@@ -18,13 +18,12 @@
 namespace mapweld {
 namespace {
 
-constexpr int kMaxPairings = 9;    // of one word: 3 x 3
-constexpr int kMaxMatches = 600;   // pairings of a pair of images
-constexpr int kMinSupport = 2;     // others that agree with a match before it counts
-constexpr int kFewestMatches = 8;  // that determine a fundamental matrix and could contradict it
+constexpr int kMaxPairings = 9;   // of one word: 3 x 3
+constexpr int kMaxMatches = 600;  // pairings of a pair of images
+constexpr int kMinSupport = 2;    // others that agree with a match before it counts
 constexpr int kBackgroundShifts = 32;
-constexpr double kNominalTests = 100;  // pairs of images, each with two models, that one decision looks at
-constexpr double kNoEvidence = 300;    // log10 of false alarms when there is no model at all
+constexpr double kNominalTests = 10;  // pairs, models: see docs/verification.md, "Significance"
+constexpr double kNoEvidence = 300;   // log10 of false alarms when there is no model at all
 
 Verification verify_in_order(const AppearanceVector& a, const AppearanceVector& b, std::uint64_t seed,
                              const VerifierOptions& options) {
@@ -34,7 +33,7 @@ Verification verify_in_order(const AppearanceVector& a, const AppearanceVector& 
     v.reason = reason;
     return v;
   };
-  const std::size_t needed = static_cast<std::size_t>(std::max(options.min_inliers, kFewestMatches));
+  const std::size_t needed = static_cast<std::size_t>(std::max(options.min_inliers, kFewestInliers));
   if (a.appearances.size() < needed || b.appearances.size() < needed) return reject(Reason::kTooFewFeatures);
 
   const std::vector<WordMatch> pairings = word_matches(a, b, kMaxPairings, kMaxMatches);
@@ -54,7 +53,7 @@ Verification verify_in_order(const AppearanceVector& a, const AppearanceVector& 
       estimate_two_view_geometry(c, v.matches, shuffled(select(all, matches), kBackgroundShifts), seed, {});
   v.kind = geometry.kind;
   if (v.kind != GeometryKind::kNone) v.geometry = in_pixels(geometry, a, b);
-  v.log10_false_alarms = std::min(geometry.log10_false_alarms + portable_log10(2 * kNominalTests), kNoEvidence);
+  v.log10_false_alarms = std::min(geometry.log10_false_alarms + portable_log10(kNominalTests), kNoEvidence);
   v.inliers = static_cast<int>(geometry.inliers.size());
   if (geometry.inliers.size() < needed) return reject(Reason::kTooFewInliers);
 

@@ -7,8 +7,12 @@
 
 namespace mapweld {
 
+// Seven matches determine a fundamental matrix; the eighth is the first that could contradict it.
+inline constexpr int kFewestInliers = 8;
+
+// Defaults measured, see docs/verification.md.
 struct VerifierOptions {
-  int min_inliers = 12;            // accept only with at least so many consistent matches
+  int min_inliers = 10;            // accept only with at least so many consistent matches (below 8: 8)
   double max_false_alarms = 1e-6;  // and only when chance would give them at most so often (a-contrario)
 };
 

@@ -29,13 +29,35 @@ bool better_match(const LocalizationMatch& a, const LocalizationMatch& b) {
   return a.votes != b.votes ? a.votes > b.votes : a.vertex < b.vertex;
 }
 
-bool has_rival_place(const std::vector<LocalizationMatch>& matches, const MapView& map) {
-  const LocalizationMatch& best = matches.front();
-  for (const LocalizationMatch& m : matches) {
-    if (!m.verified || m.verification.inliers * kClearlyAhead < best.verification.inliers) break;
-    if (m.vertex != best.vertex && !map.hops(best.vertex, m.vertex, kSamePlaceHops)) return true;
+bool close_in_map(VertexId u, VertexId v, const MapView& map) {
+  const auto [low, high] = std::minmax(to_index(u), to_index(v));
+  return high - low <= static_cast<std::uint32_t>(kSamePlaceHops) || map.hops(u, v, kSamePlaceHops).has_value();
+}
+
+// Is there a verified match of another place that the best one is not clearly ahead of? `matches`: best first.
+bool has_rival_place(const std::vector<LocalizationMatch>& matches, const MapView& map, const PairVerifier& verifier) {
+  const auto unverified = std::ranges::find(matches, false, &LocalizationMatch::verified);
+  const int best_inliers = matches.front().verification.inliers;
+  std::vector<VertexId> elsewhere;  // not known to be of the best match's place; strongest first
+  std::size_t rivals = 0;           // so many of them, from the front, are not clearly behind
+  for (auto m = matches.begin() + 1; m != unverified; ++m) {
+    rivals += m->verification.inliers * kClearlyAhead >= best_inliers ? 1 : 0;
+    elsewhere.push_back(m->vertex);
   }
-  return false;
+  std::vector<VertexId> place{matches.front().vertex};
+  for (std::size_t i = 0; i < place.size() && rivals > 0; ++i) {
+    for (std::size_t k = 0; k < elsewhere.size();) {
+      if (!close_in_map(place[i], elsewhere[k], map) &&
+          !verifier.verify(*map.appearances(place[i]), *map.appearances(elsewhere[k])).accepted) {
+        ++k;
+        continue;
+      }
+      place.push_back(elsewhere[k]);
+      elsewhere.erase(elsewhere.begin() + static_cast<std::ptrdiff_t>(k));
+      rivals -= k < rivals ? 1 : 0;
+    }
+  }
+  return rivals > 0;
 }
 
 }  // namespace
@@ -55,7 +77,7 @@ std::string_view to_string(LocalizationStatus status) {
 Localization localize(const AppearanceVector& query, const MapView& map, const PairVerifier& verifier,
                       const MapParameters& parameters) {
   Localization result;
-  const int needed = verifier.options().min_inliers;
+  const int needed = std::max(verifier.options().min_inliers, kFewestInliers);
   result.funnel.features = static_cast<int>(query.appearances.size());
   result.funnel.needed_inliers = needed;
 
@@ -88,8 +110,8 @@ Localization localize(const AppearanceVector& query, const MapView& map, const P
   if (!result.matches.front().verified) {
     result.reason = furthest;
   } else {
-    result.status =
-        has_rival_place(result.matches, map) ? LocalizationStatus::kAmbiguous : LocalizationStatus::kLocalized;
+    result.status = has_rival_place(result.matches, map, verifier) ? LocalizationStatus::kAmbiguous
+                                                                   : LocalizationStatus::kLocalized;
   }
   return result;
 }

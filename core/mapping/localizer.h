@@ -16,8 +16,8 @@ namespace mapweld {
 // The parameters of a map (http-api.md, "parameters"); defaults measured, see docs/verification.md.
 struct MapParameters {
   int max_features = 500;
-  std::uint32_t min_votes = 12;
-  int min_inliers = 12;
+  std::uint32_t min_votes = 10;
+  int min_inliers = 10;
   int max_inliers = 150;  // a new image with more inliers to some vertex is ignored as too similar
   int verify_top = 20;    // so many best candidates are verified when localizing and mapping
   VoteRule votes = VoteRule::kMin;
@@ -60,17 +60,20 @@ struct Localization {
   std::vector<LocalizationMatch> matches;
 };
 
-// Two verified vertices show one place when they are at most so many hops apart.
+// Two verified vertices show one place when they are at most so many hops apart in the map, or arrived at most so many
+// images after one another: robots send images as they drive, and neighbours on a sparse drive may lack an edge.
 inline constexpr int kSamePlaceHops = 3;
 // A place is clearly ahead of another when its best match has more than so many times the other's inliers.
 inline constexpr int kClearlyAhead = 2;
 
 // Localizes `query`; changes nothing. Deterministic; thread-safe when the view is.
 //
-// Ambiguous: some verified vertex is further than kSamePlaceHops from the best one (or not connected to it), and the
-// best one is not clearly ahead of it (kClearlyAhead).
-// The reason of a failure is the one of the candidate that came furthest: inconsistent before not_significant before
-// too_few_inliers.
+// Verified matches fall into places: two belong together when kSamePlaceHops says so, when their own images verify
+// each other (an edge that the map lacks, as while a merge is running), or through others that do. Ambiguous: a match
+// of another place than the best one's exists that the best one is not clearly ahead of (kClearlyAhead).
+//
+// The reason of a failure is that of the candidate that came furthest: inconsistent before not_significant before
+// too_few_inliers. The verifier's own min_inliers decides; the one in `parameters` is for those who build it.
 Localization localize(const AppearanceVector& query, const MapView& map, const PairVerifier& verifier,
                       const MapParameters& parameters);
 
