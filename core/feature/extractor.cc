@@ -1,12 +1,14 @@
 #include "core/feature/extractor.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <numeric>
 #include <stdexcept>
 #include <tuple>
 
 #include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
 
 namespace mapweld {
 namespace {
@@ -22,34 +24,55 @@ bool stronger(const cv::KeyPoint& a, const cv::KeyPoint& b) {
          std::tuple(-b.response, b.pt.y, b.pt.x, b.size, b.angle);
 }
 
+// OpenCV's SIFT before 4.8 doubles the image with pixel areas aligned but halves coordinates as if pixel centres were,
+// so everything lies a quarter of a pixel too far right and down.
+constexpr float kDoublingShift_px = 0.25f;
+
+cv::Mat shrink(const cv::Mat& grey, int max_pixels) {
+  const double pixels = static_cast<double>(grey.total());
+  if (pixels <= max_pixels) return grey;
+  const double factor = std::sqrt(max_pixels / pixels);
+  const auto side = [factor](int px) { return std::max(1, static_cast<int>(px * factor)); };
+  cv::Mat small;
+  cv::resize(grey, small, {side(grey.cols), side(grey.rows)}, 0, 0, cv::INTER_AREA);
+  return small;
+}
+
 }  // namespace
 
 Features extract_features(const cv::Mat& grey, const ExtractorOptions& options) {
   if (grey.type() != CV_8UC1) throw std::invalid_argument("extract_features: the image is not 8-bit grey");
   if (options.max_features < 0) throw std::invalid_argument("extract_features: max_features is negative");
+  if (options.max_pixels < 1) throw std::invalid_argument("extract_features: max_pixels is not positive");
   Features features;
   features.width_px = grey.cols;
   features.height_px = grey.rows;
   if (grey.empty()) return features;
 
+  const cv::Mat image = shrink(grey, options.max_pixels);
   // retainBest inside keeps all that tie with the weakest, so the cut below is over a set that no order decides.
   std::vector<cv::KeyPoint> found;
   cv::Mat descriptors;
   cv::SIFT::create(options.max_features, kOctaveLayers, kContrastThreshold, kEdgeThreshold, kSigma, CV_8U)
-      ->detectAndCompute(grey, cv::noArray(), found, descriptors);
+      ->detectAndCompute(image, cv::noArray(), found, descriptors);
 
   std::vector<std::size_t> order(found.size());
-  std::iota(order.begin(), order.end(), 0);
+  std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return stronger(found[a], found[b]); });
-  if (options.max_features > 0)
-    order.resize(std::min<std::size_t>(order.size(), static_cast<std::size_t>(options.max_features)));
+  if (options.max_features > 0) order.resize(std::min(order.size(), static_cast<std::size_t>(options.max_features)));
 
+  const float x_scale = static_cast<float>(grey.cols) / static_cast<float>(image.cols);
+  const float y_scale = static_cast<float>(grey.rows) / static_cast<float>(image.rows);
+  const auto unshrink = [](float position, float scale) {
+    return (position - kDoublingShift_px + 0.5f) * scale - 0.5f;
+  };
   features.keypoints.reserve(order.size());
   features.descriptors.resize(order.size() * kDescriptorDimension);
   std::uint8_t* out = features.descriptors.data();
   for (const std::size_t i : order) {
     const cv::KeyPoint& keypoint = found[i];
-    features.keypoints.push_back({keypoint.pt.x, keypoint.pt.y, keypoint.size, keypoint.angle});
+    features.keypoints.push_back({unshrink(keypoint.pt.x, x_scale), unshrink(keypoint.pt.y, y_scale),
+                                  keypoint.size * std::sqrt(x_scale * y_scale), keypoint.angle});
     std::memcpy(out, descriptors.ptr(static_cast<int>(i)), kDescriptorDimension);
     out += kDescriptorDimension;
   }
