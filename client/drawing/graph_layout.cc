@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <memory>
 #include <numeric>
@@ -34,10 +35,8 @@ Parts parts_of(std::size_t vertices, std::span<const LayoutEdge> edges) {
     while (root[v] != v) v = root[v] = root[root[v]];
     return v;
   };
-  for (const auto& [u, v, length] : edges) {
-    if (u >= vertices || v >= vertices || length < 1) {
-      throw std::invalid_argument("an edge names a vertex that does not exist, or has no length");
-    }
+  for (const auto& [u, v] : edges) {
+    if (u >= vertices || v >= vertices) throw std::invalid_argument("an edge names a vertex that does not exist");
     const std::size_t a = find(u);
     const std::size_t b = find(v);
     root[std::max(a, b)] = std::min(a, b);
@@ -49,9 +48,9 @@ Parts parts_of(std::size_t vertices, std::span<const LayoutEdge> edges) {
     place[v] = component.vertices.size();
     component.vertices.push_back(v);
   }
-  for (const auto& [u, v, length] : edges) {
+  for (const auto& [u, v] : edges) {
     if (u == v) continue;
-    by_root[find(u)].edges.push_back({std::min(place[u], place[v]), std::max(place[u], place[v]), length});
+    by_root[find(u)].edges.push_back({std::min(place[u], place[v]), std::max(place[u], place[v])});
   }
   Parts parts;
   for (Component& component : by_root) {
@@ -89,16 +88,8 @@ class Graphviz {
     for (std::size_t i = 0; i < component.vertices.size(); ++i) {
       nodes.push_back(agnode(graph.get(), writable(std::to_string(i)), 1));
     }
-    std::size_t links = 0;
-    for (const auto& [a, b, length] : component.edges) {
-      Agnode_t* end = nodes[a];
-      for (int i = 1; i < length; ++i) {
-        Agnode_t* link = agnode(graph.get(), writable("link" + std::to_string(links++)), 1);
-        agedge(graph.get(), end, link, nullptr, 1);
-        end = link;
-      }
-      agedge(graph.get(), end, nodes[b], nullptr, 1);
-    }
+    for (const auto& [a, b] : component.edges) agedge(graph.get(), nodes[a], nodes[b], nullptr, 1);
+    std::srand(1);  // sfdp's coarsening draws from rand() before it seeds it
     if (gvLayout(context_, graph.get(), "sfdp") != 0) {
       throw std::runtime_error("Graphviz cannot lay out the graph: its sfdp plugin is missing (Debian: libgvc6).");
     }
@@ -143,8 +134,8 @@ void straighten(Component& component) {
     p = {x, (p.y - mean.y) * std::cos(angle) - (p.x - mean.x) * std::sin(angle)};
   }
   std::vector<double> lengths;
-  for (const auto& [a, b, length] : component.edges) {
-    lengths.push_back(std::hypot(positions[a].x - positions[b].x, positions[a].y - positions[b].y) / length);
+  for (const auto& [a, b] : component.edges) {
+    lengths.push_back(std::hypot(positions[a].x - positions[b].x, positions[a].y - positions[b].y));
   }
   std::nth_element(lengths.begin(), lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2), lengths.end());
   const double unit = std::max(lengths[lengths.size() / 2], 1e-9);

@@ -19,7 +19,6 @@ struct Position {
 struct LayoutEdge {
   std::size_t u = 0;
   std::size_t v = 0;
-  int length = 1;
   friend auto operator<=>(const LayoutEdge&, const LayoutEdge&) = default;
 };
 
@@ -34,8 +33,8 @@ struct Layout {
 // component is placed by Graphviz's sfdp (a multilevel spring-electrical model: Hu 2005, "Efficient, high-quality
 // force-directed graph drawing") and turned so that its long side lies; the components are packed, the largest first at
 // the top left, vertices without any edge in rows at the bottom. The same graph is always placed alike.
-// Not thread-safe (Graphviz is not). Throws std::runtime_error when Graphviz's layout plugin cannot be loaded,
-// std::invalid_argument for an edge out of range.
+// Not thread-safe (Graphviz is not), and seeds rand(). Throws std::runtime_error when Graphviz's layout plugin cannot
+// be loaded, std::invalid_argument for an edge out of range.
 Layout layout_graph(std::size_t vertices, std::span<const LayoutEdge> edges);
 
 }  // namespace mapweld::drawing

@@ -92,7 +92,7 @@ std::string graph_svg(const std::string& name, const Graph& graph) {
     const auto u = index.find(edge.u);
     const auto v = index.find(edge.v);
     if (u == index.end() || v == index.end()) continue;
-    pairs.push_back({u->second, v->second, 1});
+    pairs.push_back({u->second, v->second});
     edges.push_back(&edge);
   }
   std::map<std::string, std::size_t> member_number;
@@ -116,8 +116,8 @@ std::string graph_svg(const std::string& name, const Graph& graph) {
   const auto lonely = static_cast<std::size_t>(std::count(has_edge.begin(), has_edge.end(), false));
   std::string counts = number_of(graph.vertices.size(), "vertex", "vertices");
   if (lonely > 0) counts += " (" + std::to_string(lonely) + " without an edge, in rows at the bottom)";
-  counts += ", " + number_of(edges.size(), "edge", "edges") + ". Placed by the graph alone: near means connected.";
-  if (inter > 0) counts += " Maps that run together are drawn side by side.";
+  counts += ", " + number_of(edges.size(), "edge", "edges") + ". Placed by the graph alone";
+  counts += inter > 0 ? "; maps that run together are drawn side by side." : ": near means connected.";
   heading.subtitle(counts);
   for (const Member& member : members) {
     heading.entry(dot_mark(member.colour), member.name + ": " + number_of(member.vertices, "vertex", "vertices"));

@@ -1,0 +1,157 @@
+// The figure of a graph: well-formed, complete, repeatable, and laid out so that it can be read.
+#include "client/drawing/graph_svg.h"
+
+#include <cmath>
+#include <regex>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "client/drawing/graph_layout.h"
+#include "client/drawing/strands.h"
+#include "tests/client/drawing/well_formed.h"
+
+namespace mapweld::drawing {
+namespace {
+
+using mapweld::testing::count_elements;
+using mapweld::testing::element_of_class;
+using mapweld::testing::xml_fault;
+
+// Two robots in one corridor: `a` and `b` images, neighbours joined, every fourth one joined with the other map's, the
+// last `lonely` of each without an edge.
+contract::Graph corridor(int a, int b, int lonely = 0) {
+  contract::Graph graph;
+  for (int i = 0; i < a + b; ++i) {
+    contract::Vertex vertex;
+    vertex.vertex = i;
+    vertex.name = std::to_string(i) + ".jpg";
+    vertex.map = i < a ? "lab-a" : "lab-b";
+    vertex.member_vertex = i < a ? i : i - a;
+    graph.vertices.push_back(vertex);
+  }
+  const auto join = [&](int u, int v, const char* kind) {
+    contract::Edge edge;
+    edge.u = u;
+    edge.v = v;
+    edge.kind = kind;
+    graph.edges.push_back(edge);
+  };
+  for (const auto& [first, count] : {std::pair(0, a - lonely), std::pair(a, b - lonely)}) {
+    for (int i = 0; i + 1 < count; ++i) join(first + i, first + i + 1, "inner");
+    for (int i = 0; i + 2 < count; ++i) join(first + i, first + i + 2, "inner");
+  }
+  for (int i = 0; i < std::min(a, b) - lonely; i += 4) join(i, a + i, "inter");
+  return graph;
+}
+
+std::vector<LayoutEdge> edges_of(const contract::Graph& graph) {
+  std::vector<LayoutEdge> edges;
+  for (const auto& edge : graph.edges) {
+    edges.push_back({static_cast<std::size_t>(edge.u), static_cast<std::size_t>(edge.v)});
+  }
+  return edges;
+}
+
+double distance(const Position& a, const Position& b) { return std::hypot(a.x - b.x, a.y - b.y); }
+
+TEST(GraphSvg, ShowsEveryVertexAndEdgeAtManySizes) {
+  for (const auto& [a, b, lonely] : {std::tuple(12, 8, 1), std::tuple(60, 40, 3), std::tuple(1356, 610, 5)}) {
+    const contract::Graph graph = corridor(a, b, lonely);
+    const std::string svg = graph_svg("lab", graph);
+    EXPECT_EQ(xml_fault(svg), "");
+    EXPECT_EQ(count_elements(element_of_class(svg, "vertices"), "circle"), graph.vertices.size());
+    std::size_t inter = 0;
+    for (const auto& edge : graph.edges) inter += edge.kind == "inter" ? 1 : 0;
+    EXPECT_EQ(count_elements(element_of_class(svg, "inter"), "line"), inter);
+    EXPECT_EQ(count_elements(element_of_class(svg, "inner"), "line"), graph.edges.size() - inter);
+    EXPECT_NE(svg.find("lab-a: " + std::to_string(a) + " vertices"), std::string::npos);
+    EXPECT_NE(svg.find("(" + std::to_string(2 * lonely) + " without an edge"), std::string::npos);
+  }
+}
+
+TEST(GraphSvg, StaysWithinItsPage) {
+  const std::string svg = graph_svg("lab", corridor(60, 40, 3));
+  std::smatch page;
+  ASSERT_TRUE(std::regex_search(svg, page, std::regex("viewBox=\"0 0 ([0-9.]+) ([0-9.]+)\"")));
+  const std::regex circle("cx=\"([-0-9.]+)\" cy=\"([-0-9.]+)\"");
+  for (std::sregex_iterator i(svg.begin(), svg.end(), circle), none; i != none; ++i) {
+    EXPECT_GE(std::stod((*i)[1]), 0);
+    EXPECT_GE(std::stod((*i)[2]), 0);
+    EXPECT_LE(std::stod((*i)[1]), std::stod(page[1]));
+    EXPECT_LE(std::stod((*i)[2]), std::stod(page[2]));
+  }
+}
+
+TEST(GraphSvg, TakesEmptyAndTinyGraphsAndUnconfirmedEdges) {
+  EXPECT_EQ(xml_fault(graph_svg("empty", {})), "");
+  EXPECT_EQ(xml_fault(graph_svg("one", corridor(1, 0))), "");
+  EXPECT_EQ(xml_fault(graph_svg("none-joined", corridor(3, 3, 3))), "");
+  contract::Graph graph = corridor(8, 8);
+  for (auto& edge : graph.edges) edge.confirmed = edge.kind != "inter";
+  const std::string svg = graph_svg("lab", graph);
+  EXPECT_EQ(count_elements(element_of_class(svg, "doubtful"), "line"), 2U);
+  EXPECT_EQ(count_elements(element_of_class(svg, "inter"), "line"), 0U);
+}
+
+TEST(GraphSvg, EscapesNames) {
+  contract::Graph graph = corridor(4, 4);
+  graph.vertices[0].name = "<script>&\"'\x01\xff.jpg";
+  const std::string svg = graph_svg("a<b&c", graph);
+  EXPECT_EQ(xml_fault(svg), "");
+  EXPECT_EQ(svg.find("<script>"), std::string::npos);
+  EXPECT_NE(svg.find("&lt;script&gt;&amp;&quot;'\xEF\xBF\xBD\xEF\xBF\xBD.jpg"), std::string::npos);
+}
+
+TEST(GraphSvg, IsTheSameEveryTime) {
+  const contract::Graph graph = corridor(60, 40, 3);
+  EXPECT_TRUE(graph_svg("lab", graph) == graph_svg("lab", graph));
+}
+
+TEST(GraphLayout, KeepsNeighboursNearAndComponentsApart) {
+  const contract::Graph graph = corridor(80, 40);
+  std::vector<LayoutEdge> inner;
+  for (const auto& edge : graph.edges) {
+    if (edge.kind == "inner") inner.push_back({static_cast<std::size_t>(edge.u), static_cast<std::size_t>(edge.v)});
+  }
+  const Layout layout = layout_graph(120, inner);
+  for (const LayoutEdge& edge : inner) EXPECT_LT(distance(layout.positions[edge.u], layout.positions[edge.v]), 4);
+  EXPECT_GT(distance(layout.positions[0], layout.positions[79]), 15);
+  for (std::size_t u = 0; u < 80; ++u) {
+    for (std::size_t v = 80; v < 120; ++v) EXPECT_GT(distance(layout.positions[u], layout.positions[v]), 1) << u << v;
+  }
+  std::set<std::pair<double, double>> places;
+  for (const Position& p : layout.positions) {
+    EXPECT_TRUE(p.x >= 0 && p.x <= layout.width && p.y >= 0 && p.y <= layout.height);
+    places.insert({p.x, p.y});
+  }
+  EXPECT_EQ(places.size(), 120U);
+  EXPECT_THROW(layout_graph(2, std::vector<LayoutEdge>{{0, 2}}), std::invalid_argument);
+}
+
+TEST(Strands, MapsThatRunTogetherComeToLieSideBySide) {
+  const contract::Graph graph = corridor(200, 200);
+  const std::vector<LayoutEdge> edges = edges_of(graph);
+  std::vector<std::size_t> group(400, 0);
+  std::fill(group.begin() + 200, group.end(), 1);
+  const auto nearest_other = [&](const Layout& layout) {
+    double sum = 0;
+    for (std::size_t u = 0; u < 200; ++u) {
+      double nearest = 1e9;
+      for (std::size_t v = 200; v < 400; ++v) {
+        nearest = std::min(nearest, distance(layout.positions[u], layout.positions[v]));
+      }
+      sum += nearest;
+    }
+    return sum / 200;
+  };
+  Layout layout = layout_graph(400, edges);
+  const double before = nearest_other(layout);
+  separate_strands(layout, group, edges);
+  EXPECT_GT(nearest_other(layout), before + 0.7);
+  // Neighbours in a strand stay neighbours: no strand jumps from one side to the other.
+  for (std::size_t v = 0; v + 1 < 200; ++v) EXPECT_LT(distance(layout.positions[v], layout.positions[v + 1]), 3) << v;
+}
+
+}  // namespace
+}  // namespace mapweld::drawing
