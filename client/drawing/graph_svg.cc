@@ -22,7 +22,18 @@ constexpr double kDrawingWidth = 1100;
 constexpr double kMaxDrawingHeight = 1000;
 constexpr double kMinDrawingHeight = 160;
 
-bool is_inter(const Edge& edge) { return edge.kind == "inter"; }
+constexpr double kMaxUnit = 90;
+
+bool is_inner(const Edge& edge) { return edge.kind != "inter"; }
+bool is_join(const Edge& edge) { return edge.kind == "inter" && edge.confirmed; }
+bool is_doubtful(const Edge& edge) { return edge.kind == "inter" && !edge.confirmed; }
+
+struct EdgeStyle {
+  const char* colour;
+  double width_px;
+  double opacity;
+  bool dashed;
+};
 
 std::string number_of(std::size_t count, const char* one, const char* many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
@@ -81,100 +92,130 @@ std::string line_mark(const char* colour, double width, bool dashed) {
          (dashed ? " stroke-dasharray=\"4 3\"" : "") + "/>";
 }
 
-}  // namespace
-
-std::string graph_svg(const std::string& name, const Graph& graph) {
-  std::map<std::int64_t, std::size_t> index;  // of a vertex number
-  for (std::size_t i = 0; i < graph.vertices.size(); ++i) index.emplace(graph.vertices[i].vertex, i);
-  std::vector<LayoutEdge> pairs;
+// A graph as it is drawn: edges between vertices that exist, positions, members.
+struct Drawing {
+  const Graph& graph;
   std::vector<const Edge*> edges;
-  for (const Edge& edge : graph.edges) {
-    const auto u = index.find(edge.u);
-    const auto v = index.find(edge.v);
-    if (u == index.end() || v == index.end()) continue;
-    pairs.push_back({u->second, v->second});
-    edges.push_back(&edge);
-  }
+  std::vector<LayoutEdge> ends;  // of `edges`, as indices into graph.vertices
   std::map<std::string, std::size_t> member_number;
-  const std::vector<Member> members = members_of(graph, member_number);
-  Layout layout = layout_graph(graph.vertices.size(), pairs);
-  if (members.size() > 1) {
+  std::vector<Member> members;
+  Layout layout;
+
+  explicit Drawing(const Graph& drawn) : graph(drawn), members(members_of(drawn, member_number)) {
+    std::map<std::int64_t, std::size_t> index;  // of a vertex number
+    for (std::size_t i = 0; i < graph.vertices.size(); ++i) index.emplace(graph.vertices[i].vertex, i);
+    for (const Edge& edge : graph.edges) {
+      const auto u = index.find(edge.u);
+      const auto v = index.find(edge.v);
+      if (u == index.end() || v == index.end()) continue;
+      edges.push_back(&edge);
+      ends.push_back({u->second, v->second});
+    }
+    layout = layout_graph(graph.vertices.size(), ends);
+    if (members.size() < 2) return;
     std::vector<std::size_t> group;
     for (const Vertex& vertex : graph.vertices) group.push_back(member_number.at(vertex.map));
-    separate_strands(layout, group, pairs);
+    separate_strands(layout, group, ends);
   }
-  const auto inter = static_cast<std::size_t>(
-      std::count_if(edges.begin(), edges.end(), [](const Edge* e) { return is_inter(*e) && e->confirmed; }));
-  const auto doubtful = static_cast<std::size_t>(
-      std::count_if(edges.begin(), edges.end(), [](const Edge* e) { return is_inter(*e) && !e->confirmed; }));
-  const std::size_t inner = edges.size() - inter - doubtful;
 
+  std::size_t count(bool (*belongs)(const Edge&)) const {
+    return static_cast<std::size_t>(
+        std::count_if(edges.begin(), edges.end(), [&](const Edge* edge) { return belongs(*edge); }));
+  }
+  std::size_t without_edge() const {
+    std::vector<bool> has_edge(graph.vertices.size(), false);
+    for (const LayoutEdge& edge : ends) has_edge[edge.u] = has_edge[edge.v] = true;
+    return static_cast<std::size_t>(std::count(has_edge.begin(), has_edge.end(), false));
+  }
+};
+
+Heading heading_of(const std::string& name, const Drawing& drawing) {
+  const std::size_t inner = drawing.count(is_inner);
+  const std::size_t joins = drawing.count(is_join);
+  const std::size_t doubtful = drawing.count(is_doubtful);
+  const std::size_t lonely = drawing.without_edge();
   Heading heading;
   heading.title(name);
-  std::vector<bool> has_edge(graph.vertices.size(), false);
-  for (const LayoutEdge& pair : pairs) has_edge[pair.u] = has_edge[pair.v] = true;
-  const auto lonely = static_cast<std::size_t>(std::count(has_edge.begin(), has_edge.end(), false));
-  std::string counts = number_of(graph.vertices.size(), "vertex", "vertices");
+  std::string counts = number_of(drawing.graph.vertices.size(), "vertex", "vertices");
   if (lonely > 0) counts += " (" + std::to_string(lonely) + " without an edge, in rows at the bottom)";
-  counts += ", " + number_of(edges.size(), "edge", "edges") + ". Placed by the graph alone";
-  counts += inter > 0 ? "; maps that run together are drawn side by side." : ": near means connected.";
+  counts += ", " + number_of(drawing.edges.size(), "edge", "edges") + ". Placed by the graph alone";
+  counts += joins > 0 ? "; maps that run together are drawn side by side." : ": near means connected.";
   heading.subtitle(counts);
-  for (const Member& member : members) {
+  const bool merged = drawing.members.size() > 1;
+  for (const Member& member : drawing.members) {
     heading.entry(dot_mark(member.colour), member.name + ": " + number_of(member.vertices, "vertex", "vertices"));
   }
   heading.entry(line_mark(kInnerColour, 1.4, false),
-                number_of(inner, "edge", "edges") + (members.size() > 1 ? " within a map" : ""));
-  if (members.size() > 1 || inter > 0) {
-    heading.entry(line_mark(kInterColour, 1.8, false), number_of(inter, "edge", "edges") + " between maps");
-  }
+                number_of(inner, "edge", "edges") + (merged ? " within a map" : ""));
+  if (merged) heading.entry(line_mark(kInterColour, 1.8, false), number_of(joins, "edge", "edges") + " between maps");
   if (doubtful > 0) {
     heading.entry(line_mark(kInterColour, 1.4, true), std::to_string(doubtful) + " between maps, not confirmed");
   }
+  return heading;
+}
 
-  const double width = std::max(layout.width, 1e-6);
-  const double height = std::max(layout.height, 1e-6);
-  const double unit_px = std::min({kDrawingWidth / width, kMaxDrawingHeight / height, 90.0});
-  const double radius_px = std::clamp(0.30 * unit_px, 1.8, 7.0);
-  const double drawing_height = std::max(layout.height * unit_px, kMinDrawingHeight);
-  const double left = kMargin + (kDrawingWidth - layout.width * unit_px) / 2;
-  const double top = heading.bottom() + radius_px + (drawing_height - layout.height * unit_px) / 2;
-  const auto at = [&](std::size_t vertex) {
-    return Position{left + layout.positions[vertex].x * unit_px, top + layout.positions[vertex].y * unit_px};
-  };
+// From the layout's unit to pixels: as large as the page allows, in its middle.
+struct Scale {
+  double unit_px;
+  double left_px;
+  double top_px;
+  double height_px;
+  double radius_px;  // of a vertex
+  double stroke_px;  // of an edge
 
-  std::string content = heading.content();
-  const double stroke_px = std::clamp(0.06 * unit_px, 0.5, 1.4);
-  const auto draw_edges = [&](const char* kind, const std::string& style, auto belongs) {
-    content += std::string("<g class=\"") + kind + "\" " + style + ">\n";
-    for (std::size_t i = 0; i < edges.size(); ++i) {
-      if (!belongs(*edges[i])) continue;
-      const Position a = at(pairs[i].u);
-      const Position b = at(pairs[i].v);
-      content +=
-          "<line x1=\"" + px(a.x) + "\" y1=\"" + px(a.y) + "\" x2=\"" + px(b.x) + "\" y2=\"" + px(b.y) + "\"/>\n";
-    }
-    content += "</g>\n";
-  };
-  const auto stroke = [](const char* colour, double width, double opacity) {
-    return std::string("stroke=\"") + colour + "\" stroke-width=\"" + px(width) + "\" stroke-opacity=\"" + px(opacity) +
-           "\" stroke-linecap=\"round\"";
-  };
-  draw_edges("inner", stroke(kInnerColour, stroke_px, 0.55), [](const Edge& e) { return !is_inter(e); });
-  draw_edges("doubtful", stroke(kInterColour, stroke_px, 0.5) + " stroke-dasharray=\"4 3\"",
-             [](const Edge& e) { return is_inter(e) && !e.confirmed; });
-  draw_edges("inter", stroke(kInterColour, 1.25 * stroke_px, 0.75),
-             [](const Edge& e) { return is_inter(e) && e.confirmed; });
-  content += "<g class=\"vertices\" stroke=\"#FFFFFF\" stroke-width=\"" + px(std::min(0.8, radius_px / 4)) + "\">\n";
-  for (std::size_t i = 0; i < graph.vertices.size(); ++i) {
-    const Vertex& vertex = graph.vertices[i];
-    const Position p = at(i);
-    content += "<circle cx=\"" + px(p.x) + "\" cy=\"" + px(p.y) + "\" r=\"" + px(radius_px) + "\" fill=\"" +
-               members[member_number.at(vertex.map)].colour + "\"><title>" +
+  Scale(const Layout& layout, double heading_bottom_px)
+      : unit_px(std::min({kDrawingWidth / std::max(layout.width, 1e-6),
+                          kMaxDrawingHeight / std::max(layout.height, 1e-6), kMaxUnit})),
+        left_px(kMargin + (kDrawingWidth - layout.width * unit_px) / 2),
+        height_px(std::max(layout.height * unit_px, kMinDrawingHeight)),
+        radius_px(std::clamp(0.30 * unit_px, 1.8, 7.0)),
+        stroke_px(std::clamp(0.06 * unit_px, 0.5, 1.4)) {
+    top_px = heading_bottom_px + radius_px + (height_px - layout.height * unit_px) / 2;
+  }
+  Position at(const Position& p) const { return {left_px + p.x * unit_px, top_px + p.y * unit_px}; }
+};
+
+std::string draw_edges(const Drawing& drawing, const Scale& scale, bool (*belongs)(const Edge&), const char* class_name,
+                       const EdgeStyle& style) {
+  std::string content = std::string("<g class=\"") + class_name + "\" stroke=\"" + style.colour + "\" stroke-width=\"" +
+                        px(style.width_px) + "\" stroke-opacity=\"" + px(style.opacity) + "\" stroke-linecap=\"round\"";
+  content += style.dashed ? " stroke-dasharray=\"4 3\">\n" : ">\n";
+  for (std::size_t i = 0; i < drawing.edges.size(); ++i) {
+    if (!belongs(*drawing.edges[i])) continue;
+    const Position a = scale.at(drawing.layout.positions[drawing.ends[i].u]);
+    const Position b = scale.at(drawing.layout.positions[drawing.ends[i].v]);
+    content += "<line x1=\"" + px(a.x) + "\" y1=\"" + px(a.y) + "\" x2=\"" + px(b.x) + "\" y2=\"" + px(b.y) + "\"/>\n";
+  }
+  return content + "</g>\n";
+}
+
+std::string draw_vertices(const Drawing& drawing, const Scale& scale) {
+  std::string content = "<g class=\"vertices\" stroke=\"#FFFFFF\" stroke-width=\"";
+  content += px(std::min(0.8, scale.radius_px / 4)) + "\">\n";
+  for (std::size_t i = 0; i < drawing.graph.vertices.size(); ++i) {
+    const Vertex& vertex = drawing.graph.vertices[i];
+    const Position p = scale.at(drawing.layout.positions[i]);
+    content += "<circle cx=\"" + px(p.x) + "\" cy=\"" + px(p.y) + "\" r=\"" + px(scale.radius_px) + "\" fill=\"" +
+               drawing.members[drawing.member_number.at(vertex.map)].colour + "\"><title>" +
                escaped(vertex.map + " " + std::to_string(vertex.member_vertex) + ": " + vertex.name) +
                "</title></circle>\n";
   }
-  content += "</g>\n";
-  const double page_height = heading.bottom() + drawing_height + 2 * radius_px + kMargin;
+  return content + "</g>\n";
+}
+
+}  // namespace
+
+std::string graph_svg(const std::string& name, const Graph& graph) {
+  const Drawing drawing(graph);
+  const Heading heading = heading_of(name, drawing);
+  const Scale scale(drawing.layout, heading.bottom());
+  const double stroke_px = scale.stroke_px;
+  std::string content = heading.content();
+  content += draw_edges(drawing, scale, is_inner, "inner", {kInnerColour, stroke_px, 0.55, false});
+  content += draw_edges(drawing, scale, is_doubtful, "doubtful", {kInterColour, stroke_px, 0.5, true});
+  content += draw_edges(drawing, scale, is_join, "inter", {kInterColour, 1.25 * stroke_px, 0.75, false});
+  content += draw_vertices(drawing, scale);
+  const double page_height = heading.bottom() + scale.height_px + 2 * scale.radius_px + kMargin;
   return svg_document(2 * kMargin + kDrawingWidth, page_height, "The graph of map " + name, content);
 }
 
