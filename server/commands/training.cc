@@ -56,10 +56,13 @@ class Training {
  public:
   Training(const TrainingOptions& options, const TrainingObserver& observer)
       : options_(options), observer_(observer), state_path_(options.work / "state") {
+    if (options_.descriptors.empty()) {
+      images_ = find_images(options_.images);
+      if (images_.empty()) throw FormatError("there is no JPEG or PNG in the folders named");
+    }
     std::error_code error;
     fs::create_directories(options_.work, error);
     if (error) throw TrainingFileError("cannot create " + options_.work.string() + ": " + error.message());
-    if (options_.descriptors.empty()) images_ = find_images(options_.images);
     const std::uint64_t fingerprint = compute_fingerprint();
     if (auto found = load_checkpoint(state_path_)) {
       if (found->fingerprint != fingerprint) {

@@ -1,0 +1,159 @@
+#include "server/commands/serve.h"
+
+#include <csignal>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <condition_variable>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <mutex>
+#include <opencv2/core/utility.hpp>
+#include <thread>
+
+#include "core/feature/allocation.h"
+#include "server/config.h"
+#include "server/server.h"
+#include "server/version.h"
+
+namespace mapweld::server {
+namespace {
+
+constexpr std::chrono::milliseconds kStopWithin{4'500};  // after that, what still runs is left to the next start
+
+void set_up_log(const std::string& level) {
+  auto log = std::make_shared<spdlog::logger>("mapweld", std::make_shared<spdlog::sinks::stderr_sink_mt>());
+  log->set_pattern("%Y-%m-%dT%H:%M:%S.%eZ %l %v", spdlog::pattern_time_type::utc);
+  log->set_level(spdlog::level::from_str(level));
+  log->flush_on(spdlog::level::info);
+  spdlog::set_default_logger(log);
+}
+
+// Waits for SIGTERM and SIGINT on a thread of its own; every other thread has them blocked.
+class StopSignal {
+ public:
+  StopSignal() {
+    sigemptyset(&signals_);
+    sigaddset(&signals_, SIGTERM);
+    sigaddset(&signals_, SIGINT);
+    pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
+    std::signal(SIGPIPE, SIG_IGN);
+  }
+
+  // Calls server.stop() at the first signal; ends the process at the second, or when it takes too long. What is stored
+  // is safe at any moment, so nothing is lost by that.
+  void watch(Server& server) {
+    thread_ = std::thread([this, &server] {
+      int signal = 0;
+      sigwait(&signals_, &signal);
+      if (finished()) return;
+      spdlog::info("stopping: {}", signal == SIGTERM ? "SIGTERM" : "SIGINT");
+      server.stop();
+      const auto deadline = std::chrono::steady_clock::now() + kStopWithin;
+      while (!finished()) {
+        const auto left = deadline - std::chrono::steady_clock::now();
+        const timespec wait{0, 50'000'000};
+        if (left.count() > 0 && sigtimedwait(&signals_, nullptr, &wait) < 0) continue;
+        if (finished()) return;
+        spdlog::warn("stopped before everything was finished; it goes on at the next start");
+        spdlog::shutdown();
+        std::_Exit(left.count() > 0 ? 130 : 0);
+      }
+    });
+  }
+
+  void finish() {
+    {
+      const std::lock_guard lock(mutex_);
+      finished_ = true;
+    }
+    pthread_kill(thread_.native_handle(), SIGTERM);  // where it still waits for one
+    thread_.join();
+  }
+
+ private:
+  bool finished() {
+    const std::lock_guard lock(mutex_);
+    return finished_;
+  }
+
+  sigset_t signals_{};
+  std::mutex mutex_;
+  bool finished_ = false;
+  std::thread thread_;
+};
+
+void serve(const ServerConfig& config) {
+  set_up_log(config.log_level);
+  keep_freed_memory();
+  cv::setNumThreads(0);  // one image a thread
+  StopSignal signal;
+  Server server(config);
+  const std::string url = "http://" + config.http.host + ":" + std::to_string(server.port());
+  spdlog::info("mapweld-server {} over {}", version(), config.data.string());
+  std::cout << "listening on " << url << std::endl;
+  signal.watch(server);
+  server.run();
+  signal.finish();
+  spdlog::info("stopped");
+}
+
+}  // namespace
+
+void add_serve_command(CLI::App& app) {
+  const auto config = std::make_shared<ServerConfig>();
+  const auto max_body_mb = std::make_shared<std::size_t>(config->http.max_body_bytes >> 20);
+  const auto vocabulary = std::make_shared<std::string>();
+  CLI::App* command = app.add_subcommand("serve", "Serves the maps of a data folder over HTTP");
+  command->add_option("--data", config->data, "Data folder; created when missing")
+      ->envname("MAPWELD_DATA")
+      ->required();
+  command->add_option("--host", config->http.host, "Address to listen on")->envname("MAPWELD_HOST")->capture_default_str();
+  command->add_option("--port", config->http.port, "Port to listen on; 0 picks a free one and prints it")
+      ->envname("MAPWELD_PORT")
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str();
+  command->add_option("--threads", config->http.threads, "Connections served at the same time")
+      ->envname("MAPWELD_THREADS")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  command->add_option("--extract-threads", config->extract_threads, "Images analysed at the same time; 0: one a core")
+      ->envname("MAPWELD_EXTRACT_THREADS")
+      ->check(CLI::Range(0, 256))
+      ->capture_default_str();
+  command->add_option("--workers", config->merge_workers, "Merges that run at the same time")
+      ->envname("MAPWELD_WORKERS")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command->add_option("--max-body", *max_body_mb, "Largest request body in MiB")
+      ->envname("MAPWELD_MAX_BODY")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
+  command->add_option("--cache-mb", config->cache_mb, "Memory for maps in use, in MiB")
+      ->envname("MAPWELD_CACHE_MB")
+      ->capture_default_str();
+  command->add_option("--vocabulary", *vocabulary, "Vocabulary file of maps that name none; default: the shipped one")
+      ->envname("MAPWELD_VOCABULARY")
+      ->check(CLI::ExistingFile);
+  command->add_option("--log-level", config->log_level, "How much is logged")
+      ->envname("MAPWELD_LOG_LEVEL")
+      ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}))
+      ->capture_default_str();
+  command->callback([config, max_body_mb, vocabulary] {
+    config->http.max_body_bytes = *max_body_mb << 20;
+    config->http.max_bodies_bytes = std::max(config->http.max_bodies_bytes, 2 * config->http.max_body_bytes);
+    if (!vocabulary->empty()) config->vocabulary = *vocabulary;
+    try {
+      serve(*config);
+    } catch (const std::exception& error) {
+      std::cerr << "mapweld-server: " << error.what() << std::endl;
+      throw CLI::RuntimeError(1);
+    }
+  });
+}
+
+}  // namespace mapweld::server
