@@ -133,4 +133,15 @@ void votes_of_row(const VoteSource& source, std::uint32_t row, VoteRule rule, st
   }
 }
 
+std::uint64_t count_candidates(const VoteSource& source, VoteRule rule, std::uint32_t min_votes) {
+  std::uint64_t candidates = 0;
+  std::vector<std::uint32_t> votes;
+  for (std::uint32_t row = 0; row < source.rows(); ++row) {
+    votes_of_row(source, row, rule, votes);
+    candidates += static_cast<std::uint64_t>(
+        std::ranges::count_if(votes, [min_votes](std::uint32_t v) { return v >= min_votes; }));
+  }
+  return candidates;
+}
+
 }  // namespace mapweld

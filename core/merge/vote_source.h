@@ -73,4 +73,8 @@ std::uint32_t votes_of_pair(const VoteSource& source, std::uint32_t row, std::ui
 // words.
 void votes_of_row(const VoteSource& source, std::uint32_t row, VoteRule rule, std::vector<std::uint32_t>& votes);
 
+// How many pairs have final votes of `min_votes` or more: all the candidates that a merge will ever verify. Cost: all
+// votes once.
+std::uint64_t count_candidates(const VoteSource& source, VoteRule rule, std::uint32_t min_votes);
+
 }  // namespace mapweld

@@ -44,7 +44,7 @@ struct MergeBudget {
 
 struct MergeParameters {
   std::uint32_t min_votes = 12;    // 1 .. 65535
-  int min_inliers = 12;            // 8 .. 65535
+  int min_inliers = 12;            // 4 .. 65535
   double max_false_alarms = 1e-6;  // > 0
   VoteRule votes = VoteRule::kMin;
   bool alias_guard = false;  // not offered yet: true is invalid_parameter
@@ -66,7 +66,7 @@ struct WordProgress {
 };
 
 struct CandidateProgress {
-  std::uint64_t known = 0;
+  std::uint64_t known = 0;  // pairs that have reached min_votes so far
   std::uint64_t verified = 0;
   std::uint64_t accepted = 0;
 };
@@ -114,7 +114,7 @@ struct MergeStatus {
   std::optional<CheckpointAge> checkpoint;
   std::optional<std::string> stop_reason;  // seconds, verifications, edges, fraction_of_maximum, paused, error
   std::optional<std::string> error;
-  std::string created_at;  // RFC 3339
+  Timestamp created_at;
 };
 
 struct MergeCurvePoint {
@@ -153,8 +153,9 @@ struct MergeJobOptions {
   int workers = 1;                     // jobs that run at the same time
   double checkpoint_interval_s = 0.5;  // between checkpoints, where they are cheap enough
   double checkpoint_cost_share = 0.1;  // of a job's time at most: a checkpoint of d seconds waits for d / share more
-  double metrics_interval_s = 0.2;     // the same for curve points with their exact eigenvalues
+  double metrics_interval_s = 0.2;     // between exact eigenvalues, and how old what is polled may be
   double metrics_cost_share = 0.1;
+  std::function<void(const std::string&)> log;  // told of runs that fail or cannot be stored; may be empty
 };
 
 // Runs merge jobs on worker threads over the store. All functions may be called from any thread; every change is
@@ -172,9 +173,13 @@ class MergeJobs {
   // Checkpoints what runs, leaves it `running` in the store for the next start, and joins the workers. Idempotent.
   void shutdown();
 
-  // Stores the job, the merged map and the members' watermarks in one transaction.
+  // Stores the job, the merged map and the members' watermarks in one transaction. Codes: too_few_members,
+  // duplicate_member (also when one member is part of another), unknown_method, invalid_name, invalid_parameter,
+  // invalid_budget, no_such_map, name_taken, vocabulary_mismatch, wrong_state (a member whose own merge is running).
   MergeStatus submit(const MergeRequest& request);
 
+  // While a job runs here its numbers are those of the moment, at most `metrics_interval_s` old where eigenvalues
+  // allow; otherwise those of its last checkpoint. no_such_merge, as all below.
   MergeStatus get(std::int64_t id) const;
   Page<MergeStatus> list(std::optional<JobState> state, std::size_t limit,
                          const std::optional<std::string>& after) const;  // by id

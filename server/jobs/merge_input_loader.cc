@@ -1,0 +1,104 @@
+#include "server/jobs/merge_input_loader.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "schema/blobs/merge_state_blob.h"
+#include "schema/edge_store.h"
+#include "schema/map_layout.h"
+#include "schema/map_store.h"
+#include "schema/vertex_store.h"
+#include "server/jobs/merge_job_rows.h"
+
+namespace mapweld::server {
+namespace {
+
+constexpr std::uint32_t kVerticesAtOnce = 256;  // between questions whether to stop
+
+const LayoutNode& node_of(const MapLayout& layout, MapId map) {
+  const auto found = std::ranges::find(layout.nodes(), map, &LayoutNode::map);
+  if (found == layout.nodes().end()) {
+    throw StoreError(StoreErrorKind::kCorrupt, "a member is not in the layout of its merged map");
+  }
+  return *found;
+}
+
+MergeMember member_vertices(const LayoutNode& node) {
+  MergeMember member;
+  member.vertices.reserve(node.watermark);
+  for (std::uint32_t v = 0; v < node.watermark; ++v) member.vertices.push_back(*node.number(VertexId{v}));
+  return member;
+}
+
+// The edges that a member shows below its watermark, in the merged numbering.
+void append_inner_edges(const Reader& db, const LayoutNode& node, std::vector<Edge>& edges) {
+  const EdgeFilter confirmed{.min_inliers = 0, .inter = std::nullopt, .confirmed = true};
+  for (const Edge& edge : load_edges(db, load_layout(db, node.map), confirmed)) {
+    if (std::max(to_index(edge.u), to_index(edge.v)) >= node.watermark) continue;
+    edges.push_back({*node.number(edge.u), *node.number(edge.v), edge.weight});
+  }
+}
+
+// nullptr when it was told to stop.
+std::shared_ptr<const AppearanceSource> load_appearance_table(const Reader& db, const MapLayout& layout,
+                                                              VocabularyId vocabulary,
+                                                              const std::function<bool()>& should_stop) {
+  std::vector<std::shared_ptr<const AppearanceVector>> vectors(layout.vertices());
+  for (const MapLayout::LeafSpan& span : layout.leaf_spans()) {
+    for (std::uint32_t from = 0; from < span.count; from += kVerticesAtOnce) {
+      if (should_stop()) return nullptr;
+      const std::uint32_t count = std::min(kVerticesAtOnce, span.count - from);
+      std::vector<AppearanceVector> images =
+          load_appearances(db, span.leaf, vocabulary, VertexId{to_index(span.leaf_first) + from}, count);
+      for (std::uint32_t i = 0; i < count; ++i) {
+        vectors[to_index(span.first) + from + i] = std::make_shared<const AppearanceVector>(std::move(images[i]));
+      }
+    }
+  }
+  return std::make_shared<AppearanceTable>(std::move(vectors));
+}
+
+std::optional<MergeState> load_state(const Reader& db, JobId job) {
+  std::vector<StoredPart> stored = load_checkpoint(db, job);
+  std::vector<NewEdge> rows = load_merge_edges(db, job);
+  if (stored.empty() && rows.empty()) return std::nullopt;
+  std::vector<blobs::MergeStatePart> parts;
+  for (StoredPart& part : stored) parts.push_back({std::move(part.name), std::move(part.bytes)});
+  std::vector<MergeEdge> edges;
+  edges.reserve(rows.size());
+  for (NewEdge& row : rows) {
+    edges.push_back({row.u, row.v, row.votes, std::move(row.verification), row.verifications});
+  }
+  return blobs::decode_merge_state(parts, std::move(edges));
+}
+
+}  // namespace
+
+std::optional<LoadedMerge> load_merge(Store& store, JobId job, const VerifierFactory& verifier,
+                                      const std::function<bool()>& should_stop) {
+  const ReadTransaction db = store.read();
+  std::optional<MergeRow> row = find_merge(db, job);
+  if (!row) throw std::out_of_range("there is no merge " + std::to_string(to_index(job)));
+  const std::optional<MapRow> map = find_map(db, row->map);
+  const MapLayout layout = load_layout(db, row->map);
+  const MergeParameters parameters = parameters_of(*row);
+  LoadedMerge loaded;
+  for (const MemberRow& member : list_members(db, row->map)) {
+    const LayoutNode& node = node_of(layout, member.map);
+    loaded.input.members.push_back(member_vertices(node));
+    append_inner_edges(db, node, loaded.input.inner_edges);
+  }
+  loaded.input.appearances = load_appearance_table(db, layout, map->vocabulary, should_stop);
+  if (!loaded.input.appearances) return std::nullopt;
+  loaded.input.verifier =
+      verifier({.min_inliers = parameters.min_inliers, .max_false_alarms = parameters.max_false_alarms});
+  loaded.input.options = {row->method, parameters.min_votes, parameters.votes, row->seed};
+  loaded.state = load_state(db, job);
+  loaded.row = std::move(*row);
+  return loaded;
+}
+
+}  // namespace mapweld::server

@@ -1,0 +1,26 @@
+// A merge as the store has it: everything that a run needs to begin or to go on.
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "core/merge/merge_input.h"
+#include "core/merge/merge_state.h"
+#include "schema/merge_store.h"
+#include "schema/store.h"
+#include "server/jobs/merge_jobs.h"
+
+namespace mapweld::server {
+
+struct LoadedMerge {
+  MergeRow row;
+  MergeInput input;
+  std::optional<MergeState> state;  // of the last checkpoint; none before the first
+};
+
+// Reads one consistent state of the store; appearances of all members up to their watermarks come into memory. Nothing
+// is returned when `should_stop` says so in between. Throws StoreError, also kCorrupt for a damaged checkpoint.
+std::optional<LoadedMerge> load_merge(Store& store, JobId job, const VerifierFactory& verifier,
+                                      const std::function<bool()>& should_stop);
+
+}  // namespace mapweld::server

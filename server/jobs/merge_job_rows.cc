@@ -1,0 +1,176 @@
+#include "server/jobs/merge_job_rows.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+namespace mapweld::server {
+namespace {
+
+using Json = nlohmann::json;
+
+template <typename T>
+void put(Json& json, const char* name, const std::optional<T>& value) {
+  if (value) json[name] = *value;
+}
+
+template <typename T>
+std::optional<T> optional_field(const Json& json, const char* name) {
+  const auto found = json.find(name);
+  if (found == json.end() || found->is_null()) return std::nullopt;
+  return found->get<T>();
+}
+
+template <typename Read>
+auto read_json(const MergeRow& row, const std::string& text, const Read& read) {
+  try {
+    return read(Json::parse(text));
+  } catch (const Json::exception& error) {
+    throw StoreError(StoreErrorKind::kCorrupt,
+                     "the row of merge " + std::to_string(to_index(row.id)) + " does not make sense: " + error.what());
+  }
+}
+
+template <typename T>
+std::optional<T> left_of(const std::optional<T>& allowance, T granted_at, T spent) {
+  if (!allowance) return std::nullopt;
+  const T used = spent - std::min(spent, granted_at);
+  return *allowance - std::min(*allowance, used);
+}
+
+double seconds_between(Timestamp from, Timestamp to) { return std::chrono::duration<double>(to - from).count(); }
+
+MergeProgress stored_progress(const MergeRow& row) {
+  MergeProgress progress = read_json(row, row.progress, [](const Json& json) {
+    MergeProgress p;
+    p.words_done = json.value("words_done", std::uint64_t{0});
+    p.words_total = json.value("words_total", std::uint64_t{0});
+    p.candidates_known = json.value("candidates_known", std::uint64_t{0});
+    p.metrics.components = json.value("components", std::uint32_t{0});
+    p.metrics.algebraic_connectivity = json.value("algebraic_connectivity", 0.0);
+    p.metrics.largest_vertices = json.value("largest_vertices", std::uint32_t{0});
+    p.metrics.largest_algebraic_connectivity = json.value("largest_algebraic_connectivity", 0.0);
+    p.metrics.joined = json.value("joined", std::vector<std::uint32_t>{});
+    p.metrics.independent_joins = json.value("independent_joins", std::uint32_t{0});
+    return p;
+  });
+  progress.phase = row.phase;
+  progress.step = row.step;
+  progress.verifications = row.spent.verifications;
+  progress.edges = row.spent.edges;
+  progress.elapsed_s = row.spent.elapsed_s;
+  return progress;
+}
+
+}  // namespace
+
+std::string to_row(const MergeParameters& parameters) {
+  return Json{{"min_votes", parameters.min_votes},
+              {"min_inliers", parameters.min_inliers},
+              {"max_false_alarms", parameters.max_false_alarms},
+              {"votes", parameters.votes == VoteRule::kProduct ? "product" : "min"},
+              {"alias_guard", parameters.alias_guard}}
+      .dump();
+}
+
+std::string to_row(const MergeBudget& budget) {
+  Json json = Json::object();
+  put(json, "seconds", budget.seconds);
+  put(json, "verifications", budget.verifications);
+  put(json, "edges", budget.edges);
+  put(json, "fraction_of_maximum", budget.fraction_of_maximum);
+  if (budget.certified) json["certified"] = true;
+  return json.dump();
+}
+
+std::string to_row(const VerifierOptions& options) {
+  return Json{{"min_inliers", options.min_inliers}, {"max_false_alarms", options.max_false_alarms}}.dump();
+}
+
+std::string to_row(const MergeProgress& progress) {
+  return Json{{"words_done", progress.words_done},
+              {"words_total", progress.words_total},
+              {"candidates_known", progress.candidates_known},
+              {"components", progress.metrics.components},
+              {"algebraic_connectivity", progress.metrics.algebraic_connectivity},
+              {"largest_vertices", progress.metrics.largest_vertices},
+              {"largest_algebraic_connectivity", progress.metrics.largest_algebraic_connectivity},
+              {"joined", progress.metrics.joined},
+              {"independent_joins", progress.metrics.independent_joins}}
+      .dump();
+}
+
+MergeParameters parameters_of(const MergeRow& row) {
+  return read_json(row, row.parameters, [](const Json& json) {
+    MergeParameters p;
+    p.min_votes = json.value("min_votes", p.min_votes);
+    p.min_inliers = json.value("min_inliers", p.min_inliers);
+    p.max_false_alarms = json.value("max_false_alarms", p.max_false_alarms);
+    p.votes = json.value("votes", "min") == "product" ? VoteRule::kProduct : VoteRule::kMin;
+    p.alias_guard = json.value("alias_guard", p.alias_guard);
+    return p;
+  });
+}
+
+MergeBudget budget_of(const MergeRow& row) {
+  return read_json(row, row.budget, [](const Json& json) {
+    MergeBudget budget;
+    budget.seconds = optional_field<double>(json, "seconds");
+    budget.verifications = optional_field<std::uint64_t>(json, "verifications");
+    budget.edges = optional_field<std::uint64_t>(json, "edges");
+    budget.fraction_of_maximum = optional_field<double>(json, "fraction_of_maximum");
+    budget.certified = json.value("certified", false);
+    return budget;
+  });
+}
+
+MergeBudget remaining_of(const MergeRow& row, const Spent& spent) {
+  MergeBudget left = budget_of(row);
+  left.seconds = left_of(left.seconds, row.granted_at.elapsed_s, spent.elapsed_s);
+  left.verifications = left_of(left.verifications, row.granted_at.verifications, spent.verifications);
+  left.edges = left_of(left.edges, row.granted_at.edges, spent.edges);
+  return left;
+}
+
+MergeStatus status_of(const MergeRow& row, const std::vector<MemberRow>& members,
+                      const std::optional<MergeProgress>& live, Timestamp now) {
+  const MergeProgress progress = live ? *live : stored_progress(row);
+  MergeStatus status;
+  status.id = to_index(row.id);
+  status.state = row.state;
+  status.method = row.method;
+  for (const MemberRow& member : members) status.maps.push_back(member.name);
+  status.map = row.map_name;
+  status.seed = row.seed;
+  status.parameters = parameters_of(row);
+  status.phase = progress.phase;
+  status.step = progress.step;
+  status.words = {progress.words_done, progress.words_total};
+  status.candidates = {progress.candidates_known, progress.verifications, progress.edges};
+  status.edges = progress.edges;
+  status.components = progress.metrics.components;
+  status.algebraic_connectivity = progress.metrics.algebraic_connectivity;
+  status.largest_component = {progress.metrics.largest_vertices, progress.metrics.largest_algebraic_connectivity};
+  for (std::size_t k = 0; k < members.size(); ++k) {
+    const std::uint64_t joined = k < progress.metrics.joined.size() ? progress.metrics.joined[k] : 0;
+    status.joined.push_back({members[k].name, joined});
+  }
+  status.independent_joins = progress.metrics.independent_joins;
+  status.elapsed_s = progress.elapsed_s;
+  status.budget = budget_of(row);
+  status.remaining = remaining_of(row, {progress.elapsed_s, progress.verifications, progress.edges});
+  if (row.state == JobState::kRunning) status.eta_s = progress.eta_s;
+  if (live && live->checkpoint_step) {
+    const std::chrono::duration<double> age = std::chrono::steady_clock::now() - live->checkpoint_at;
+    status.checkpoint = {*live->checkpoint_step, age.count()};
+  } else if (row.checkpoint_at) {
+    status.checkpoint = {row.step, std::max(0.0, seconds_between(*row.checkpoint_at, now))};
+  }
+  status.stop_reason = row.stop_reason;
+  status.error = row.error;
+  status.created_at = row.created_at;
+  return status;
+}
+
+}  // namespace mapweld::server

@@ -1,0 +1,285 @@
+#include "server/jobs/merge_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/merge/merge_metrics.h"
+#include "core/merge/run.h"
+#include "core/merge/vote_source.h"
+#include "schema/blobs/merge_state_blob.h"
+#include "schema/merge_store.h"
+#include "server/jobs/merge_eta.h"
+#include "server/jobs/merge_input_loader.h"
+#include "server/jobs/merge_job_rows.h"
+#include "server/jobs/pacer.h"
+
+namespace mapweld::server {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kPublishInterval_s = 0.02;
+constexpr double kLeastMetricsInterval_s = 0.005;
+constexpr double kMetricsShareOfPast = 0.05;  // a young merge changes fast: measure again after this share of its age
+constexpr double kCurveSpacing =
+    1.02;  // a point of the curve is kept when so much more time has passed than at the last
+
+Timestamp now() { return std::chrono::floor<std::chrono::microseconds>(std::chrono::system_clock::now()); }
+
+// The job was deleted, or claimed by somebody else: this run has nothing to say any more.
+struct FencedOff {};
+
+RunEnd end_of_failure(const std::string& error) { return {JobState::kFailed, "error", error, now()}; }
+
+class Run {
+ public:
+  Run(Store& store, JobId job, RunControl& control, const MergeJobOptions& options, LoadedMerge loaded)
+      : store_(store),
+        job_(job),
+        control_(control),
+        row_(std::move(loaded.row)),
+        checkpoints_(options.checkpoint_interval_s, options.checkpoint_cost_share),
+        metrics_pacer_(options.metrics_interval_s, options.metrics_cost_share),
+        metrics_interval_s_(options.metrics_interval_s) {
+    if (loaded.state) {
+      mark_ = blobs::mark_of(*loaded.state);
+      edges_stored_ = loaded.state->edges.size();
+      merger_ = make_merger(std::move(loaded.input), std::move(*loaded.state));
+      progress_.checkpoint_step = row_.step;
+      const std::chrono::duration<double> age =
+          row_.checkpoint_at ? now() - *row_.checkpoint_at : Timestamp::duration{};
+      progress_.checkpoint_at = Clock::now() - std::chrono::duration_cast<Clock::duration>(age);
+    } else {
+      merger_ = make_merger(std::move(loaded.input));
+    }
+    const MergeInput& input = merger_->input();
+    eta_ = MergeEta(count_candidates(*input.votes, input.options.votes, input.options.min_votes),
+                    merger_->state().verifications);
+  }
+
+  void execute() {
+    began_ = Clock::now();
+    if (mark_) {
+      refresh_metrics();
+      publish();
+      checkpoints_.put_off(elapsed_s());
+    } else {
+      refresh_metrics();
+      keep_curve_point();
+      save(std::nullopt);
+    }
+    const std::optional<StopReason> reason = run(*merger_, stop_condition(), [this](const Merger&) { after_step(); });
+    finish(reason);
+  }
+
+ private:
+  double elapsed_s() const {
+    return row_.spent.elapsed_s + std::chrono::duration<double>(Clock::now() - began_).count();
+  }
+
+  StopCondition stop_condition() {
+    const MergeBudget budget = budget_of(row_);
+    std::vector<StopCondition> conditions;
+    conditions.push_back(stop_when([this] { return control_.command() != RunCommand::kNone; }, StopReason::kPaused));
+    if (budget.verifications) {
+      conditions.push_back(stop_at_verifications(row_.granted_at.verifications + *budget.verifications));
+    }
+    if (budget.edges) conditions.push_back(stop_at_edges(row_.granted_at.edges + *budget.edges));
+    if (budget.seconds) {
+      const double limit_s = row_.granted_at.elapsed_s + *budget.seconds;
+      conditions.push_back(stop_when([this, limit_s] { return elapsed_s() >= limit_s; }, StopReason::kSeconds));
+    }
+    return stop_at_first(std::move(conditions));
+  }
+
+  void after_step() {
+    const double now_s = elapsed_s();
+    const MergeState& state = merger_->state();
+    while (edge_times_s_.size() < state.edges.size() - edges_stored_) edge_times_s_.push_back(now_s);
+    const bool phase_changed = state.phase != measured_phase_;
+    if (phase_changed || metrics_pacer_.due(now_s)) {
+      refresh_metrics();
+      if (phase_changed || now_s >= last_curve_s_ * kCurveSpacing) keep_curve_point();
+      publish();
+    } else if (now_s >= published_s_ + kPublishInterval_s) {
+      publish();
+    }
+    if (checkpoints_.due(now_s)) save(std::nullopt);
+  }
+
+  // Only new edges can change what is measured.
+  void refresh_metrics() {
+    const double began_s = elapsed_s();
+    const MergeState& state = merger_->state();
+    if (!measured_edges_ || *measured_edges_ != state.edges.size()) {
+      progress_.metrics = merge_metrics(merger_->graph(), merger_->input().members, state.edges);
+      measured_edges_ = state.edges.size();
+    }
+    measured_phase_ = state.phase;
+    metrics_pacer_.set_interval(std::clamp(
+        began_s * kMetricsShareOfPast, std::min(kLeastMetricsInterval_s, metrics_interval_s_), metrics_interval_s_));
+    metrics_pacer_.done(began_s, elapsed_s());
+  }
+
+  void keep_curve_point() {
+    const MergeState& state = merger_->state();
+    last_curve_s_ = elapsed_s();
+    if (!curve_.empty() && curve_.back().step == state.step) curve_.pop_back();
+    const MergeMetrics& m = progress_.metrics;
+    curve_.push_back({state.step, last_curve_s_, state.verifications, state.edges.size(), m.components,
+                      m.algebraic_connectivity, m.largest_vertices, m.largest_algebraic_connectivity, std::nullopt,
+                      std::string(to_string(state.phase))});
+  }
+
+  void publish() {
+    const MergeState& state = merger_->state();
+    published_s_ = elapsed_s();
+    progress_.phase = to_string(state.phase);
+    progress_.step = state.step;
+    progress_.words_done = state.search.words_processed;
+    progress_.words_total = merger_->words_total();
+    progress_.candidates_known = state.candidates_known;
+    progress_.verifications = state.verifications;
+    progress_.edges = state.edges.size();
+    progress_.elapsed_s = published_s_;
+    progress_.eta_s = eta_.seconds(state.verifications, published_s_ - row_.spent.elapsed_s);
+    control_.publish(progress_);
+  }
+
+  // One transaction: what changed of the state, new edges, curve points, what is spent; and the end of the run, if it
+  // is one.
+  void save(const std::optional<RunEnd>& end) {
+    const double began_s = elapsed_s();
+    const MergeState& state = merger_->state();
+    publish();
+    const std::vector<blobs::MergeStatePart> encoded = blobs::encode_merge_state(state, mark_);
+    std::vector<CheckpointPart> parts;
+    for (const blobs::MergeStatePart& part : encoded) parts.push_back({part.name, part.bytes});
+    std::vector<NewEdge> edges;
+    for (std::size_t i = edges_stored_; i < state.edges.size(); ++i) {
+      const MergeEdge& e = state.edges[i];
+      edges.push_back({.u = e.u,
+                       .v = e.v,
+                       .votes = e.votes,
+                       .verification = e.verification,
+                       .confirmed = true,
+                       .verifications = e.verifications,
+                       .elapsed_s = edge_times_s_[i - edges_stored_]});
+    }
+    CheckpointWrite checkpoint;
+    checkpoint.step = state.step;
+    checkpoint.phase = to_string(state.phase);
+    checkpoint.progress = to_row(progress_);
+    checkpoint.parts = parts;
+    checkpoint.edges = edges;
+    checkpoint.curve_points = curve_;
+    checkpoint.now = now();
+    {
+      WriteTransaction db = store_.write();
+      const PairVerifier& verifier = *merger_->input().verifier;
+      if (!edges.empty()) checkpoint.verifier = intern_verifier(db, verifier.version(), to_row(verifier.options()));
+      checkpoint.spent = {elapsed_s(), state.verifications, state.edges.size()};
+      if (!save_checkpoint(db, job_, control_.epoch(), checkpoint)) throw FencedOff{};
+      if (end && !end_run(db, job_, control_.epoch(), *end)) throw FencedOff{};
+      db.commit();
+    }
+    mark_ = blobs::mark_of(state);
+    edges_stored_ = state.edges.size();
+    edge_times_s_.clear();
+    curve_.clear();
+    progress_.checkpoint_step = state.step;
+    progress_.checkpoint_at = Clock::now();
+    publish();
+    checkpoints_.done(began_s, elapsed_s());
+  }
+
+  void finish(const std::optional<StopReason>& reason) {
+    if (reason && control_.command() == RunCommand::kAbandon) throw FencedOff{};
+    if (reason && control_.command() == RunCommand::kShutDown) {
+      save(std::nullopt);
+      return;
+    }
+    refresh_metrics();
+    keep_curve_point();
+    save(end_of(reason));
+  }
+
+  RunEnd end_of(const std::optional<StopReason>& reason) const {
+    if (!reason) return {JobState::kCompleted, std::nullopt, std::nullopt, now()};
+    const std::string word(to_string(*reason));
+    if (*reason != StopReason::kPaused) return {JobState::kBudgetExhausted, word, std::nullopt, now()};
+    if (control_.command() == RunCommand::kCancel) return {JobState::kCancelled, std::nullopt, std::nullopt, now()};
+    return {JobState::kPaused, word, std::nullopt, now()};
+  }
+
+  Store& store_;
+  JobId job_;
+  RunControl& control_;
+  MergeRow row_;  // as the run found it
+  std::unique_ptr<Merger> merger_;
+  MergeEta eta_{0, 0};
+  Clock::time_point began_;
+  Pacer checkpoints_;
+  Pacer metrics_pacer_;
+  double metrics_interval_s_;
+
+  std::optional<blobs::MergeStateMark> mark_;  // what of the state is stored
+  std::size_t edges_stored_ = 0;
+  std::vector<double> edge_times_s_;  // of the edges that are not stored yet
+  std::vector<CurvePointRow> curve_;  // not stored yet
+  MergeProgress progress_;
+  std::optional<std::size_t> measured_edges_;
+  MergePhase measured_phase_ = MergePhase::kVoting;
+  double last_curve_s_ = 0;
+  double published_s_ = 0;
+};
+
+// The state of a job that was told to stop while it was being loaded: nothing of the merge has changed.
+void end_unloaded(Store& store, JobId job, const RunControl& control) {
+  RunEnd end{JobState::kPaused, "paused", std::nullopt, now()};
+  if (control.command() == RunCommand::kCancel) end = {JobState::kCancelled, std::nullopt, std::nullopt, now()};
+  if (control.command() != RunCommand::kPause && control.command() != RunCommand::kCancel) return;
+  WriteTransaction db = store.write();
+  if (end_run(db, job, control.epoch(), end)) db.commit();
+}
+
+RunOutcome fail(Store& store, JobId job, const RunControl& control, const std::string& error,
+                const MergeJobOptions& options) {
+  if (options.log) options.log("merge " + std::to_string(to_index(job)) + " failed: " + error);
+  try {
+    WriteTransaction db = store.write();
+    if (end_run(db, job, control.epoch(), end_of_failure(error))) db.commit();
+    return {};
+  } catch (const std::exception& also) {
+    if (options.log) {
+      options.log("merge " + std::to_string(to_index(job)) + ": its failure cannot be stored: " + also.what());
+    }
+    return {false, error};
+  }
+}
+
+}  // namespace
+
+RunOutcome run_merge(Store& store, JobId job, RunControl& control, const MergeJobOptions& options) {
+  try {
+    std::optional<LoadedMerge> loaded =
+        load_merge(store, job, options.verifier, [&control] { return control.command() != RunCommand::kNone; });
+    if (!loaded) {
+      end_unloaded(store, job, control);
+      return {};
+    }
+    Run(store, job, control, options, std::move(*loaded)).execute();
+    return {};
+  } catch (const FencedOff&) {
+    return {};
+  } catch (const std::exception& error) {
+    return fail(store, job, control, error.what(), options);
+  }
+}
+
+}  // namespace mapweld::server

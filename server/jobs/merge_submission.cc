@@ -1,0 +1,137 @@
+#include "server/jobs/merge_submission.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "client/contract/names.h"
+#include "core/merge/merge_options.h"
+#include "schema/map_layout.h"
+#include "schema/map_store.h"
+#include "schema/merge_store.h"
+#include "server/jobs/merge_job_rows.h"
+
+namespace mapweld::server {
+namespace {
+
+[[noreturn]] void refuse(const char* code, const std::string& detail) { throw MergeJobError(code, detail); }
+
+// A version 4 UUID (RFC 9562).
+std::string make_uuid() {
+  std::random_device entropy;
+  std::array<unsigned, 16> bytes{};
+  for (unsigned& byte : bytes) byte = entropy() & 0xFF;
+  bytes[6] = (bytes[6] & 0x0F) | 0x40;
+  bytes[8] = (bytes[8] & 0x3F) | 0x80;
+  std::string text;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    if (i == 4 || i == 6 || i == 8 || i == 10) text += '-';
+    text += "0123456789abcdef"[bytes[i] >> 4];
+    text += "0123456789abcdef"[bytes[i] & 15];
+  }
+  return text;
+}
+
+void check(const MergeParameters& parameters) {
+  if (parameters.min_votes < 1 || parameters.min_votes > 65535) {
+    refuse("invalid_parameter", "\"min_votes\" must be between 1 and 65535.");
+  }
+  if (parameters.min_inliers < 4 || parameters.min_inliers > 65535) {
+    refuse("invalid_parameter", "\"min_inliers\" must be between 4 and 65535: fewer matches give no geometry.");
+  }
+  if (!(std::isfinite(parameters.max_false_alarms) && parameters.max_false_alarms > 0)) {
+    refuse("invalid_parameter", "\"max_false_alarms\" must be greater than 0.");
+  }
+  if (parameters.alias_guard) {
+    refuse("invalid_parameter", "\"alias_guard\" is not offered by this version; leave it false.");
+  }
+}
+
+std::vector<MapRow> require_members(const Reader& db, const MergeRequest& request) {
+  std::vector<MapRow> members;
+  std::set<MapId> seen;
+  for (const std::string& name : request.maps) {
+    std::optional<MapRow> map = find_map(db, name);
+    if (!map) refuse("no_such_map", "There is no map named \"" + name + "\".");
+    const MapLayout layout = load_layout(db, map->id);
+    for (const LayoutNode& node : layout.nodes()) {
+      if (!seen.insert(node.map).second) {
+        refuse("duplicate_member", "\"" + name + "\" is part of another member: a map merges once.");
+      }
+    }
+    if (map->kind == MapKind::kMerged) {
+      const std::optional<MergeRow> merge = find_merge_of(db, map->id);
+      if (merge && (merge->state == JobState::kQueued || merge->state == JobState::kRunning)) {
+        refuse("wrong_state", "The merge that makes \"" + name + "\" is not at rest; pause it or wait for it.");
+      }
+    }
+    if (!members.empty() && map->vocabulary != members.front().vocabulary) {
+      refuse("vocabulary_mismatch",
+             "\"" + members.front().name + "\" and \"" + name + "\" have different vocabularies.");
+    }
+    members.push_back(std::move(*map));
+  }
+  return members;
+}
+
+}  // namespace
+
+void check(const MergeBudget& budget) {
+  if (budget.seconds && !(std::isfinite(*budget.seconds) && *budget.seconds > 0)) {
+    refuse("invalid_budget", "\"seconds\" must be greater than 0.");
+  }
+  if (budget.verifications && *budget.verifications == 0) {
+    refuse("invalid_budget", "\"verifications\" must be greater than 0.");
+  }
+  if (budget.edges && *budget.edges == 0) refuse("invalid_budget", "\"edges\" must be greater than 0.");
+  if (budget.fraction_of_maximum) {
+    const double fraction = *budget.fraction_of_maximum;
+    if (!(fraction > 0 && fraction <= 1)) refuse("invalid_budget", "\"fraction_of_maximum\" must be in (0, 1].");
+    refuse("invalid_budget", "\"fraction_of_maximum\" is not offered by this version.");
+  }
+}
+
+void check(const MergeRequest& request) {
+  if (request.maps.size() < 2) refuse("too_few_members", "A merge takes two maps.");
+  if (std::set<std::string>(request.maps.begin(), request.maps.end()).size() != request.maps.size()) {
+    refuse("duplicate_member", "A map cannot be merged with itself.");
+  }
+  if (request.maps.size() > 2) {
+    refuse("invalid_parameter", "This version merges two maps at a time; a merged map can be merged again.");
+  }
+  if (!contract::is_slug(request.name)) {
+    refuse("invalid_name", "\"" + request.name + "\" cannot be the name of a map.");
+  }
+  if (std::ranges::find(merge_methods(), request.method) == merge_methods().end()) {
+    refuse("unknown_method", "There is no method \"" + request.method + "\".");
+  }
+  check(request.parameters);
+  check(request.budget);
+}
+
+JobId store_submission(WriteTransaction& db, const MergeRequest& request, Timestamp now) {
+  const std::vector<MapRow> members = require_members(db, request);
+  if (find_map(db, request.name)) refuse("name_taken", "There is a map named \"" + request.name + "\" already.");
+  std::vector<MapId> ids;
+  for (const MapRow& member : members) ids.push_back(member.id);
+  NewMap map;
+  map.name = request.name;
+  map.uuid = make_uuid();
+  map.vocabulary = members.front().vocabulary;
+  map.parameters = members.front().parameters;  // how images are localized in it
+  map.created_at = now;
+  NewMerge merge;
+  merge.map = insert_merged_map(db, map, ids);
+  merge.method = request.method;
+  merge.seed = request.seed;
+  merge.parameters = to_row(request.parameters);
+  merge.budget = to_row(request.budget);
+  merge.created_at = now;
+  return insert_merge(db, merge);
+}
+
+}  // namespace mapweld::server

@@ -1,0 +1,17 @@
+// Turning a request into stored rows: what must hold before a merge can begin.
+#pragma once
+
+#include "schema/store.h"
+#include "schema/store_types.h"
+#include "server/jobs/merge_jobs.h"
+
+namespace mapweld::server {
+
+// What can be told without looking at a map. Throws MergeJobError.
+void check(const MergeRequest& request);
+void check(const MergeBudget& budget);
+
+// Stores job, merged map and watermarks; nothing when it throws. Codes as MergeJobs::submit.
+JobId store_submission(WriteTransaction& db, const MergeRequest& request, Timestamp now);
+
+}  // namespace mapweld::server

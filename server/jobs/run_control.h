@@ -1,0 +1,70 @@
+// What passes between the worker that runs a job and the threads that ask about it.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "core/merge/merge_metrics.h"
+#include "schema/store_types.h"
+
+namespace mapweld::server {
+
+// What a running job is told to do at its next step. A later command only counts when it is stronger.
+enum class RunCommand : std::uint8_t {
+  kNone,
+  kShutDown,  // checkpoint, and stay `running` in the store
+  kPause,
+  kCancel,
+  kAbandon,  // the job is gone: write nothing more
+};
+
+// The numbers of a job at one moment; what a status shows and a checkpoint's `progress` keeps.
+struct MergeProgress {
+  std::string phase = "voting";
+  std::uint64_t step = 0;
+  std::uint64_t words_done = 0;
+  std::uint64_t words_total = 0;
+  std::uint64_t candidates_known = 0;
+  std::uint64_t verifications = 0;
+  std::uint64_t edges = 0;
+  double elapsed_s = 0;
+  std::optional<double> eta_s;
+  MergeMetrics metrics;
+  std::optional<std::uint64_t> checkpoint_step;
+  std::chrono::steady_clock::time_point checkpoint_at;
+};
+
+// Thread-safe.
+class RunControl {
+ public:
+  explicit RunControl(std::uint64_t epoch) : epoch_(epoch) {}
+
+  void command(RunCommand command) {
+    RunCommand before = command_.load();
+    while (before < command && !command_.compare_exchange_weak(before, command)) continue;
+  }
+  RunCommand command() const { return command_.load(std::memory_order_relaxed); }
+
+  void publish(const MergeProgress& progress) {
+    const std::lock_guard lock(mutex_);
+    progress_ = progress;
+  }
+  // Nothing while the job is being loaded.
+  std::optional<MergeProgress> progress() const {
+    const std::lock_guard lock(mutex_);
+    return progress_;
+  }
+  std::uint64_t epoch() const { return epoch_; }
+
+ private:
+  const std::uint64_t epoch_;
+  std::atomic<RunCommand> command_ = RunCommand::kNone;
+  mutable std::mutex mutex_;
+  std::optional<MergeProgress> progress_;
+};
+
+}  // namespace mapweld::server

@@ -1,0 +1,101 @@
+// Kill -9 at random moments: a merge that is killed again and again ends like one that never was.
+#include <cstdlib>
+#include <random>
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "schema/data_folder.h"
+#include "server/jobs/merge_jobs.h"
+#include "tests/server/jobs/stored_toy_maps.h"
+
+namespace mapweld::server {
+namespace {
+
+using test::ToyWorld;
+constexpr int kKills = 20;
+
+// In the child: opens the folder as a server does, lets the job go on by itself, and leaves when it is at rest.
+[[noreturn]] void serve(const std::filesystem::path& folder, const ToyWorld& world, std::int64_t job) {
+  try {
+    DataFolder data(folder);
+    const auto verifier = std::make_shared<test::SlowVerifier>(world.accept_share, std::chrono::microseconds(1000));
+    MergeJobOptions options = test::job_options(verifier);
+    options.checkpoint_interval_s = 0.004;
+    options.checkpoint_cost_share = 0.5;
+    options.metrics_interval_s = 0.01;
+    MergeJobs jobs(data.store(), options);
+    jobs.start();
+    const MergeStatus s = jobs.wait(job, std::chrono::seconds(120));
+    jobs.shutdown();
+    ::_exit(s.state == JobState::kCompleted ? 0 : 1);
+  } catch (...) {
+    ::_exit(2);
+  }
+}
+
+pid_t start_server(const std::filesystem::path& folder, const ToyWorld& world, std::int64_t job) {
+  const pid_t child = ::fork();
+  if (child == 0) serve(folder, world, job);
+  return child;
+}
+
+void kill_twenty_times(const char* method) {
+  ToyWorld world = test::toy_world(19);
+  world.method = method;
+  world.sizes = {60, 40};
+  test::TempStore store;
+  test::store_toy_maps(store, world);
+  std::int64_t job = 0;
+  {
+    MergeJobs jobs(store, test::job_options(std::make_shared<test::HashVerifier>(world.accept_share)));
+    job = jobs.submit(test::request_of(world)).id;  // queued: nothing runs in this process
+  }
+  store.close();
+
+  std::mt19937 random(7);
+  int kills_while_running = 0;
+  std::uint64_t before = 0;
+  for (int kill = 0; kill < kKills; ++kill) {
+    const pid_t child = start_server(store.folder(), world, job);
+    ASSERT_GT(child, 0);
+    ::usleep(1000 * static_cast<useconds_t>(15 + random() % 70));
+    ::kill(child, SIGKILL);
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    ASSERT_TRUE(WIFSIGNALED(status) || WEXITSTATUS(status) == 0);
+    store.reopen();
+    const auto row = find_merge(store.read(), JobId{job});
+    ASSERT_TRUE(row);
+    if (row->state == JobState::kRunning) ++kills_while_running;
+    EXPECT_GE(row->spent.verifications, before);
+    before = row->spent.verifications;
+    if (row->step > 0) {
+      // Whatever was on disk is one consistent moment of the merge.
+      const MergeState state = test::stored_state(store, job);
+      EXPECT_EQ(state.step, row->step);
+      EXPECT_EQ(state.verifications, row->spent.verifications);
+      EXPECT_EQ(state.edges.size(), row->spent.edges);
+      EXPECT_EQ(find_map(store.read(), row->map)->edges, row->spent.edges);
+    }
+    store.close();
+  }
+  EXPECT_GE(kills_while_running, kKills / 2) << "the merge is over too soon for this test";
+
+  const pid_t child = start_server(store.folder(), world, job);
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFEXITED(status));
+  ASSERT_EQ(WEXITSTATUS(status), 0);
+  store.reopen();
+  // Edges, weights, order, S, queue, lists, verdicts: everything.
+  EXPECT_EQ(test::stored_state(store, job), test::uninterrupted(world));
+}
+
+TEST(MergeJobsCrash, QuickConnectKilledTwentyTimesEndsTheSame) { kill_twenty_times("quickconnect"); }
+TEST(MergeJobsCrash, BruteForceKilledTwentyTimesEndsTheSame) { kill_twenty_times("brute-force"); }
+
+}  // namespace
+}  // namespace mapweld::server

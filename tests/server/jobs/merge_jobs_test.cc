@@ -1,0 +1,256 @@
+// What a job does while nobody stops it: the merge of core, stored as it goes.
+#include "server/jobs/merge_jobs.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "core/merge/merge_metrics.h"
+#include "core/merge/run.h"
+#include "schema/map_store.h"
+#include "tests/server/jobs/stored_toy_maps.h"
+
+namespace mapweld::server {
+namespace {
+
+using test::ToyWorld;
+constexpr std::chrono::seconds kLong{60};
+
+std::vector<MergeEdgePoint> all_edges(const MergeJobs& jobs, std::int64_t id, std::size_t page_size) {
+  std::vector<MergeEdgePoint> all;
+  std::optional<std::string> after;
+  do {
+    const Page<MergeEdgePoint> page = jobs.edges(id, page_size, after);
+    EXPECT_LE(page.items.size(), page_size);
+    all.insert(all.end(), page.items.begin(), page.items.end());
+    after = page.next;
+  } while (after);
+  return all;
+}
+
+TEST(MergeJobs, EndWithTheStateOfTheMergeInCore) {
+  for (const char* method : {"quickconnect", "brute-force"}) {
+    for (const std::uint32_t seed : {0u, 2u, 5u, 19u, 20u}) {
+      ToyWorld world = test::toy_world(seed);
+      world.method = method;
+      test::TempStore store;
+      test::store_toy_maps(store, world);
+      const auto verifier = std::make_shared<test::HashVerifier>(world.accept_share);
+      MergeJobs jobs(store, test::job_options(verifier));
+      jobs.start();
+      const MergeStatus submitted = jobs.submit(test::request_of(world));
+      EXPECT_EQ(submitted.id, 1);
+      const MergeStatus done = jobs.wait(submitted.id, kLong);
+      ASSERT_EQ(done.state, JobState::kCompleted) << done.error.value_or("");
+      const MergeState expected = test::uninterrupted(world);
+      EXPECT_EQ(test::stored_state(store, submitted.id), expected) << method << " seed " << seed;
+      EXPECT_EQ(find_map(store.read(), "ab")->edges, expected.edges.size());
+    }
+  }
+}
+
+TEST(MergeJobs, ShowEveryNumberOfTheFinishedMerge) {
+  const ToyWorld world = test::toy_world(19);
+  test::TempStore store;
+  test::store_toy_maps(store, world);
+  MergeJobs jobs(store, test::job_options(std::make_shared<test::HashVerifier>(world.accept_share)));
+  jobs.start();
+  const MergeStatus s = jobs.wait(jobs.submit(test::request_of(world)).id, kLong);
+
+  const auto merger = make_merger(test::make_toy_merge(world));
+  run(*merger, {});
+  const MergeState& expected = merger->state();
+  const MergeMetrics metrics = merge_metrics(merger->graph(), merger->input().members, expected.edges);
+  EXPECT_EQ(s.method, "quickconnect");
+  EXPECT_EQ(s.maps, (std::vector<std::string>{"a", "b"}));
+  EXPECT_EQ(s.map, "ab");
+  EXPECT_EQ(s.seed, 19u);
+  EXPECT_EQ(s.phase, "done");
+  EXPECT_EQ(s.step, expected.step);
+  EXPECT_EQ(s.words.done, merger->words_total());
+  EXPECT_EQ(s.words.total, merger->words_total());
+  EXPECT_EQ(s.candidates.known, expected.candidates_known);
+  EXPECT_EQ(s.candidates.verified, expected.verifications);
+  EXPECT_EQ(s.candidates.accepted, expected.edges.size());
+  EXPECT_EQ(s.edges, expected.edges.size());
+  EXPECT_EQ(s.components, metrics.components);
+  EXPECT_EQ(s.algebraic_connectivity, metrics.algebraic_connectivity);
+  EXPECT_EQ(s.largest_component.vertices, metrics.largest_vertices);
+  EXPECT_EQ(s.largest_component.algebraic_connectivity, metrics.largest_algebraic_connectivity);
+  ASSERT_EQ(s.joined.size(), 2u);
+  EXPECT_EQ(s.joined[0].map, "a");
+  EXPECT_EQ(s.joined[0].vertices, metrics.joined[0]);
+  EXPECT_EQ(s.joined[1].vertices, metrics.joined[1]);
+  EXPECT_EQ(s.independent_joins, metrics.independent_joins);
+  EXPECT_GT(s.elapsed_s, 0);
+  EXPECT_EQ(s.eta_s, std::nullopt);
+  ASSERT_TRUE(s.checkpoint);
+  EXPECT_EQ(s.checkpoint->step, expected.step);
+  EXPECT_EQ(s.stop_reason, std::nullopt);
+  EXPECT_EQ(s.error, std::nullopt);
+}
+
+TEST(MergeJobs, ListTheEdgesInOrderOfInsertion) {
+  const ToyWorld world = test::toy_world(19);
+  test::TempStore store;
+  test::store_toy_maps(store, world);
+  MergeJobs jobs(store, test::job_options(std::make_shared<test::HashVerifier>(world.accept_share)));
+  jobs.start();
+  const MergeStatus s = jobs.wait(jobs.submit(test::request_of(world)).id, kLong);
+  const MergeState expected = test::uninterrupted(world);
+  for (const std::size_t page_size : {7u, 1000u}) {
+    const std::vector<MergeEdgePoint> edges = all_edges(jobs, s.id, page_size);
+    ASSERT_EQ(edges.size(), expected.edges.size());
+    double elapsed_s = 0;
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      EXPECT_EQ(edges[i].u, expected.edges[i].u);
+      EXPECT_EQ(edges[i].v, expected.edges[i].v);
+      EXPECT_EQ(edges[i].votes, expected.edges[i].votes);
+      EXPECT_EQ(static_cast<int>(edges[i].inliers), expected.edges[i].verification.inliers);
+      EXPECT_EQ(edges[i].verifications, expected.edges[i].verifications);
+      EXPECT_GE(edges[i].elapsed_s, elapsed_s);
+      elapsed_s = edges[i].elapsed_s;
+    }
+    EXPECT_LE(elapsed_s, s.elapsed_s);
+  }
+}
+
+TEST(MergeJobs, DrawACurveFromTheFirstStepToTheLast) {
+  const ToyWorld world = test::toy_world(19);
+  test::TempStore store;
+  test::store_toy_maps(store, world);
+  const auto verifier = std::make_shared<test::SlowVerifier>(world.accept_share, std::chrono::microseconds(300));
+  MergeJobs jobs(store, test::job_options(verifier));
+  jobs.start();
+  const MergeStatus s = jobs.wait(jobs.submit(test::request_of(world)).id, kLong);
+  const Page<MergeCurvePoint> curve = jobs.curve(s.id, 1000, std::nullopt);
+  EXPECT_EQ(curve.next, std::nullopt);
+  ASSERT_GE(curve.items.size(), 4u);
+  EXPECT_EQ(curve.items.front().step, 0u);
+  EXPECT_EQ(curve.items.front().edges, 0u);
+  EXPECT_EQ(curve.items.back().step, s.step);
+  EXPECT_EQ(curve.items.back().phase, "done");
+  EXPECT_EQ(curve.items.back().largest_component.algebraic_connectivity, s.largest_component.algebraic_connectivity);
+  for (std::size_t i = 1; i < curve.items.size(); ++i) {
+    EXPECT_GT(curve.items[i].step, curve.items[i - 1].step);
+    EXPECT_GE(curve.items[i].elapsed_s, curve.items[i - 1].elapsed_s);
+    EXPECT_GE(curve.items[i].edges, curve.items[i - 1].edges);
+    EXPECT_LE(curve.items[i].components, curve.items[i - 1].components);
+  }
+  // Every value belongs to the edges of its moment: the same prefix of the merge gives it again.
+  const auto merger = make_merger(test::make_toy_merge(world));
+  for (const MergeCurvePoint& point : curve.items) {
+    run(*merger, stop_when_merger([&](const Merger& m) { return m.state().step >= point.step; }, StopReason::kPaused));
+    const MergeMetrics metrics = merge_metrics(merger->graph(), merger->input().members, merger->state().edges);
+    EXPECT_EQ(point.components, metrics.components);
+    EXPECT_EQ(point.algebraic_connectivity, metrics.algebraic_connectivity);
+    EXPECT_EQ(point.largest_component.algebraic_connectivity, metrics.largest_algebraic_connectivity);
+    EXPECT_EQ(point.verifications, merger->state().verifications);
+  }
+  // Pages follow one another.
+  const Page<MergeCurvePoint> first = jobs.curve(s.id, 2, std::nullopt);
+  ASSERT_TRUE(first.next);
+  EXPECT_EQ(jobs.curve(s.id, 1, first.next).items.front().step, curve.items[2].step);
+}
+
+TEST(MergeJobs, CanBePolledWhileTheyRun) {
+  const ToyWorld world = test::toy_world(19);
+  test::TempStore store;
+  test::store_toy_maps(store, world);
+  const auto verifier = std::make_shared<test::SlowVerifier>(world.accept_share, std::chrono::microseconds(1000));
+  MergeJobOptions options = test::job_options(verifier);
+  options.checkpoint_interval_s = 3600;  // so that fresh numbers cannot come from a checkpoint
+  MergeJobs jobs(store, options);
+  jobs.start();
+  const std::int64_t id = jobs.submit(test::request_of(world)).id;
+  MergeStatus before = jobs.get(id);
+  int changes = 0;
+  bool eta_seen = false;
+  for (;;) {
+    const MergeStatus s = jobs.get(id);
+    if (s.state != JobState::kQueued && s.state != JobState::kRunning) break;
+    EXPECT_GE(s.step, before.step);
+    EXPECT_GE(s.edges, before.edges);
+    EXPECT_GE(s.elapsed_s, before.elapsed_s);
+    EXPECT_GE(s.independent_joins, before.independent_joins);
+    EXPECT_LE(s.edges, s.candidates.verified);
+    EXPECT_LE(s.candidates.verified, s.candidates.known);
+    if (s.step > before.step) ++changes;
+    if (s.eta_s) eta_seen = true;
+    before = s;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  EXPECT_GE(changes, 5);
+  EXPECT_TRUE(eta_seen);
+  EXPECT_EQ(jobs.get(id).state, JobState::kCompleted);
+}
+
+TEST(MergeJobs, RunSideBySide) {
+  const ToyWorld world = test::toy_world(19);
+  test::TempStore store;
+  test::store_toy_maps(store, world);
+  MergeJobOptions options =
+      test::job_options(std::make_shared<test::SlowVerifier>(world.accept_share, std::chrono::microseconds(50)));
+  options.workers = 3;
+  MergeJobs jobs(store, options);
+  jobs.start();
+  std::vector<std::int64_t> ids;
+  for (const char* name : {"one", "two", "three", "four", "five"}) {
+    ids.push_back(jobs.submit(test::request_of(world, name)).id);
+  }
+  const MergeState expected = test::uninterrupted(world);
+  for (const std::int64_t id : ids) {
+    EXPECT_EQ(jobs.wait(id, kLong).state, JobState::kCompleted);
+    EXPECT_EQ(test::stored_state(store, id), expected);
+  }
+  const Page<MergeStatus> list = jobs.list(std::nullopt, 3, std::nullopt);
+  ASSERT_EQ(list.items.size(), 3u);
+  EXPECT_EQ(list.items[2].map, "three");
+  ASSERT_TRUE(list.next);
+  EXPECT_EQ(jobs.list(JobState::kCompleted, 10, list.next).items.size(), 2u);
+  EXPECT_TRUE(jobs.list(JobState::kFailed, 10, std::nullopt).items.empty());
+}
+
+TEST(MergeJobs, TakeAMergedMapForAMember) {
+  ToyWorld world = test::toy_world(19);
+  test::TempStore store;
+  test::store_toy_maps(store, world);
+  ToyWorld third = world;
+  third.sizes = {12, 1};
+  test::store_toy_maps(store, third, "c", "d");
+  const auto verifier = std::make_shared<test::HashVerifier>(world.accept_share);
+  MergeJobs jobs(store, test::job_options(verifier));
+  jobs.start();
+  const MergeStatus ab = jobs.wait(jobs.submit(test::request_of(world)).id, kLong);
+  MergeRequest request = test::request_of(world, "abc");
+  request.maps = {"c", "ab"};
+  const MergeStatus abc = jobs.wait(jobs.submit(request).id, kLong);
+  ASSERT_EQ(abc.state, JobState::kCompleted) << abc.error.value_or("");
+  EXPECT_EQ(abc.maps, (std::vector<std::string>{"c", "ab"}));
+
+  // The same in core: members c (12) and ab (30 + 25), whose inner edges include its own inter edges.
+  const MergeInput of_ab = test::make_toy_merge(world), of_c = test::make_toy_merge(third);
+  MergeInput input;
+  input.members = number_members({12, 55});
+  std::vector<std::shared_ptr<const AppearanceVector>> vectors;
+  for (std::uint32_t v = 0; v < 12; ++v) vectors.push_back(of_c.appearances->appearances(VertexId{v}));
+  for (std::uint32_t v = 0; v < 55; ++v) vectors.push_back(of_ab.appearances->appearances(VertexId{v}));
+  input.appearances = std::make_shared<AppearanceTable>(vectors);
+  for (const Edge& e : of_c.inner_edges) {
+    if (to_index(e.v) < 12) input.inner_edges.push_back(e);
+  }
+  const auto shifted = [](VertexId v) { return VertexId{to_index(v) + 12}; };
+  for (const Edge& e : of_ab.inner_edges) input.inner_edges.push_back({shifted(e.u), shifted(e.v), e.weight});
+  for (const MergeEdge& e : test::uninterrupted(world).edges) {
+    input.inner_edges.push_back({shifted(e.u), shifted(e.v), static_cast<std::uint32_t>(e.verification.inliers)});
+  }
+  input.verifier = verifier;
+  input.options = {"quickconnect", world.min_votes, world.votes, world.seed};
+  const auto merger = make_merger(input);
+  run(*merger, {});
+  EXPECT_EQ(test::stored_state(store, abc.id), merger->state());
+  EXPECT_GT(merger->state().edges.size(), 20u);
+}
+
+}  // namespace
+}  // namespace mapweld::server

@@ -1,0 +1,81 @@
+#include "tests/server/jobs/stored_toy_maps.h"
+
+#include <utility>
+#include <vector>
+
+#include "core/merge/run.h"
+#include "schema/blobs/merge_state_blob.h"
+#include "schema/edge_store.h"
+#include "schema/vertex_store.h"
+
+namespace mapweld::test {
+
+void store_toy_maps(Store& store, const ToyWorld& world, const std::string& first, const std::string& second) {
+  const MergeInput input = make_toy_merge(world);
+  VocabularyId vocabulary{};
+  if (const auto known = find_vocabulary(store.read(), "words")) {
+    vocabulary = known->id;
+  } else {
+    vocabulary = add_vocabulary(store, "words");
+  }
+  WriteTransaction db = store.write();
+  const VerifierId verifier = test_verifier(db);
+  for (std::size_t m = 0; m < 2; ++m) {
+    const MapId map = insert_map(db, new_map(m == 0 ? first : second, vocabulary));
+    const std::vector<VertexId>& vertices = input.members[m].vertices;
+    const std::uint32_t base = vertices.empty() ? 0 : to_index(vertices.front());
+    for (const VertexId v : vertices) {
+      std::vector<NewEdge> edges;
+      for (const Edge& e : input.inner_edges) {
+        if (e.v != v) continue;
+        NewEdge edge;
+        edge.u = VertexId{to_index(e.u) - base};
+        edge.votes = e.weight;
+        edge.verification.accepted = true;
+        edge.verification.matches = edge.verification.inliers = static_cast<int>(e.weight);
+        edges.push_back(edge);
+      }
+      const AppearanceVector image = *input.appearances->appearances(v);
+      insert_vertex(db, map, vocabulary, new_image(std::to_string(to_index(v)), image), image, edges, verifier);
+    }
+  }
+  db.commit();
+}
+
+server::MergeRequest request_of(const ToyWorld& world, const std::string& name) {
+  server::MergeRequest request;
+  request.maps = {"a", "b"};
+  request.name = name;
+  request.method = world.method;
+  request.seed = world.seed;
+  request.parameters.min_votes = world.min_votes;
+  request.parameters.votes = world.votes;
+  return request;
+}
+
+MergeState uninterrupted(const ToyWorld& world) {
+  const auto merger = make_merger(make_toy_merge(world));
+  run(*merger, {});
+  return merger->state();
+}
+
+MergeState stored_state(Store& store, std::int64_t job) {
+  const ReadTransaction db = store.read();
+  std::vector<blobs::MergeStatePart> parts;
+  for (StoredPart& part : load_checkpoint(db, JobId{job})) {
+    parts.push_back({std::move(part.name), std::move(part.bytes)});
+  }
+  std::vector<MergeEdge> edges;
+  for (NewEdge& e : load_merge_edges(db, JobId{job})) {
+    edges.push_back({e.u, e.v, e.votes, std::move(e.verification), e.verifications});
+  }
+  return blobs::decode_merge_state(parts, std::move(edges));
+}
+
+server::MergeJobOptions job_options(const std::shared_ptr<const PairVerifier>& verifier) {
+  server::MergeJobOptions options;
+  options.verifier = [verifier](const VerifierOptions&) { return verifier; };
+  return options;
+}
+
+}  // namespace mapweld::test

@@ -1,0 +1,54 @@
+// The small random maps of tests/core/merge, in a store; and what a merge of them must end with.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "core/merge/merge_state.h"
+#include "schema/store.h"
+#include "server/jobs/merge_jobs.h"
+#include "tests/core/merge/toy_maps.h"
+#include "tests/support/temp_store.h"
+
+namespace mapweld::test {
+
+// Maps "a" and "b" (or `names`) with the world's two members.
+void store_toy_maps(Store& store, const ToyWorld& world, const std::string& first = "a",
+                    const std::string& second = "b");
+
+// A request for the merge of the world in core.
+server::MergeRequest request_of(const ToyWorld& world, const std::string& name = "ab");
+
+// The state of the whole merge as core makes it, without a store and without interruption.
+MergeState uninterrupted(const ToyWorld& world);
+
+// The state in a job's last checkpoint, its edges from their table.
+MergeState stored_state(Store& store, std::int64_t job);
+
+// A verifier whose verdicts take time, so that a job can be met while it runs; and that can be told to fail.
+class SlowVerifier final : public PairVerifier {
+ public:
+  SlowVerifier(double accept_share, std::chrono::microseconds delay) : verdicts_(accept_share), delay_(delay) {}
+  Verification verify(const AppearanceVector& a, const AppearanceVector& b) const override {
+    if (fails) throw std::runtime_error("the verifier is out of order");
+    std::this_thread::sleep_for(delay_);
+    ++calls;
+    return verdicts_.verify(a, b);
+  }
+  std::string version() const override { return verdicts_.version(); }
+  const VerifierOptions& options() const override { return verdicts_.options(); }
+
+  std::atomic<bool> fails = false;
+  mutable std::atomic<std::uint64_t> calls = 0;
+
+ private:
+  HashVerifier verdicts_;
+  std::chrono::microseconds delay_;
+};
+
+server::MergeJobOptions job_options(const std::shared_ptr<const PairVerifier>& verifier);
+
+}  // namespace mapweld::test
