@@ -30,7 +30,7 @@ bool better_match(const LocalizationMatch& a, const LocalizationMatch& b) {
 }
 
 bool close_in_map(VertexId u, VertexId v, const MapView& map) {
-  const auto [low, high] = std::minmax(to_index(u), to_index(v));
+  const auto [low, high] = std::minmax({to_index(u), to_index(v)});
   return high - low <= static_cast<std::uint32_t>(kSamePlaceHops) || map.hops(u, v, kSamePlaceHops).has_value();
 }
 
