@@ -1,5 +1,6 @@
 // Kill -9 at random moments: a merge that is killed again and again ends like one that never was.
-#include <cstdlib>
+#include <cstdio>
+#include <exception>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -30,8 +31,10 @@ constexpr int kKills = 20;
     jobs.start();
     const MergeStatus s = jobs.wait(job, std::chrono::seconds(120));
     jobs.shutdown();
+    if (s.state != JobState::kCompleted) std::fprintf(stderr, "%s\n", s.error.value_or("not at rest").c_str());
     ::_exit(s.state == JobState::kCompleted ? 0 : 1);
-  } catch (...) {
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
     ::_exit(2);
   }
 }
@@ -59,7 +62,7 @@ void kill_twenty_times(const char* method) {
   int kills_while_running = 0;
   std::uint64_t before = 0;
   for (int kill = 0; kill < kKills; ++kill) {
-    const pid_t child = start_server(store.folder(), world, job);
+    const pid_t child = start_server(store.folder() / "data", world, job);
     ASSERT_GT(child, 0);
     ::usleep(1000 * static_cast<useconds_t>(15 + random() % 70));
     ::kill(child, SIGKILL);
@@ -84,7 +87,7 @@ void kill_twenty_times(const char* method) {
   }
   EXPECT_GE(kills_while_running, kKills / 2) << "the merge is over too soon for this test";
 
-  const pid_t child = start_server(store.folder(), world, job);
+  const pid_t child = start_server(store.folder() / "data", world, job);
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   ASSERT_TRUE(WIFEXITED(status));
