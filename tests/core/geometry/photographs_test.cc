@@ -1,0 +1,118 @@
+// The verifier on real photographs, by the shipped vocabulary: nothing of one place in another, and of two visits to
+// one place what the truth says.
+#include "tests/core/geometry/photographs.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/geometry/epipolar_verifier.h"
+#include "core/retrieval/voting.h"
+
+namespace mapweld {
+namespace {
+
+using test::Photograph;
+using test::photographs;
+
+#define REQUIRE_PHOTOGRAPHS(folder)                                                      \
+  do {                                                                                   \
+    if (photographs(folder).empty())                                                     \
+      GTEST_SKIP() << "photographs of " << (folder) << " are not here (MAPWELD_PHOTOS)"; \
+  } while (false)
+
+struct Accepted {
+  int a = 0;
+  int b = 0;
+  int inliers = 0;
+};
+
+std::vector<Accepted> accepted_pairs(const std::vector<Photograph>& a, const std::vector<Photograph>& b) {
+  const EpipolarVerifier verifier;
+  std::vector<Accepted> accepted;
+  for (const Photograph& p : a) {
+    for (const Photograph& q : b) {
+      const Verification v = verifier.verify(p.appearances, q.appearances);
+      if (!v.accepted) continue;
+      accepted.push_back({p.number, q.number, v.inliers});
+      EXPECT_GE(pair_votes(p.appearances, q.appearances, VoteRule::kMin), static_cast<std::uint32_t>(v.inliers))
+          << "min_votes <= min_inliers must lose no match";
+    }
+  }
+  return accepted;
+}
+
+TEST(Photographs, DifferentPlacesAreNeverAccepted) {
+  const std::vector<std::vector<std::string>> places = {{"corridor-two-laps/lap-1", "corridor-two-laps/lap-2"},
+                                                        {"office-two-runs/reference"},
+                                                        {"places-two-visits/magasin/A", "places-two-visits/magasin/B"},
+                                                        {"places-two-visits/studio/A", "places-two-visits/studio/B"}};
+  for (const auto& folders : places) {
+    for (const std::string& folder : folders) REQUIRE_PHOTOGRAPHS(folder);
+  }
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    for (std::size_t j = i + 1; j < places.size(); ++j) {
+      for (const std::string& p : places[i]) {
+        for (const std::string& q : places[j]) {
+          EXPECT_EQ(accepted_pairs(photographs(p), photographs(q)).size(), 0u) << p << " and " << q;
+        }
+      }
+    }
+  }
+}
+
+TEST(Photographs, TwoLapsOfACorridorMeetWhereTheTruthSays) {
+  REQUIRE_PHOTOGRAPHS("corridor-two-laps/lap-1");
+  REQUIRE_PHOTOGRAPHS("corridor-two-laps/lap-2");
+  const auto same_place = test::corridor_same_place();
+  ASSERT_FALSE(same_place.empty());
+  // The truth is narrow: neighbours of a listed pair often match as well.
+  const auto near = [&](const Accepted& pair) {
+    return std::ranges::any_of(
+        same_place, [&](const auto& s) { return std::abs(s.first - pair.a) <= 2 && std::abs(s.second - pair.b) <= 2; });
+  };
+  const auto accepted = accepted_pairs(photographs("corridor-two-laps/lap-1"), photographs("corridor-two-laps/lap-2"));
+  EXPECT_GE(accepted.size(), 55u);
+  for (const Accepted& pair : accepted) EXPECT_TRUE(near(pair)) << pair.a << ' ' << pair.b << ' ' << pair.inliers;
+}
+
+TEST(Photographs, TwoVisitsToAPlaceMeet) {
+  for (const std::string place : {"magasin", "studio"}) {
+    const std::string a = "places-two-visits/" + place + "/A";
+    const std::string b = "places-two-visits/" + place + "/B";
+    REQUIRE_PHOTOGRAPHS(a);
+    REQUIRE_PHOTOGRAPHS(b);
+    const auto accepted = accepted_pairs(photographs(a), photographs(b));
+    const auto same = std::ranges::count_if(accepted, [](const Accepted& p) { return p.a == p.b; });
+    EXPECT_GE(same, 6) << place;
+    for (const Accepted& p : accepted) EXPECT_LE(std::abs(p.a - p.b), 1) << place << ' ' << p.a << ' ' << p.b;
+  }
+}
+
+TEST(Photographs, TwoRunsThroughAnOfficeMeetInOrder) {
+  REQUIRE_PHOTOGRAPHS("office-two-runs/reference");
+  if (photographs("office-two-runs/live", 4).empty())
+    GTEST_SKIP() << "photographs of office-two-runs/live are not here";
+  const auto& reference = photographs("office-two-runs/reference");
+  const auto& live = photographs("office-two-runs/live", 4);
+  auto accepted = accepted_pairs(reference, live);
+  EXPECT_GE(accepted.size(), 100u);
+  // Both runs follow one route: the further in one, the further in the other (Kendall's rank correlation).
+  double agree = 0;
+  double pairs = 0;
+  for (const Accepted& p : accepted) {
+    for (const Accepted& q : accepted) {
+      if (p.a < q.a && p.b != q.b) {
+        agree += p.b < q.b ? 1 : 0;
+        ++pairs;
+      }
+    }
+  }
+  EXPECT_GT(agree, 0.85 * pairs);
+}
+
+}  // namespace
+}  // namespace mapweld
