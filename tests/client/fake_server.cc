@@ -80,6 +80,10 @@ std::vector<std::string> FakeServer::requests() const {
   const std::lock_guard lock(mutex_);
   return requests_;
 }
+std::vector<std::string> FakeServer::bodies() const {
+  const std::lock_guard lock(mutex_);
+  return bodies_;
+}
 std::size_t FakeServer::requests_of(const std::string& beginning) const {
   const auto all = requests();
   return static_cast<std::size_t>(
@@ -89,6 +93,7 @@ std::size_t FakeServer::requests_of(const std::string& beginning) const {
 bool FakeServer::answer_scripted(const httplib::Request& request, httplib::Response& response) {
   const std::lock_guard lock(mutex_);
   requests_.push_back(request.method + " " + request.target);
+  bodies_.push_back(request.body);
   const auto found = scripted_.find(request.method + " " + request.path);
   if (found == scripted_.end()) return false;
   Scripted& scripted = found->second;
