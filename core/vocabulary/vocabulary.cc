@@ -7,6 +7,7 @@
 
 #include "core/errors.h"
 #include "core/vocabulary/byte_stream.h"
+#include "core/vocabulary/hnsw_layout.h"
 
 namespace mapweld {
 namespace {
@@ -51,17 +52,24 @@ std::vector<std::uint8_t> transpose(std::span<const std::uint8_t> from, std::siz
 
 }  // namespace
 
-// The index refers to the centroids beside it, so neither moves once made.
+// The index refers to the centroids beside it, so neither moves once made. A centroid fills two cache lines, not three.
 struct Vocabulary::Parts {
-  std::vector<std::uint8_t> centroids;
+  std::vector<CacheLine> lines;
+  std::span<const std::uint8_t> centroids;
   std::unique_ptr<WordIndex> index;
+
+  explicit Parts(std::span<const std::uint8_t> rows)
+      : lines((rows.size() + sizeof(CacheLine) - 1) / sizeof(CacheLine)) {
+    auto* bytes = reinterpret_cast<std::uint8_t*>(lines.data());
+    std::copy(rows.begin(), rows.end(), bytes);
+    centroids = {bytes, rows.size()};
+  }
 };
 
-Vocabulary::Vocabulary(std::vector<std::uint8_t> centroids, const WordIndexOptions& options) {
-  auto parts = std::make_shared<Parts>();
-  parts->centroids = std::move(centroids);
-  if (parts->centroids.empty()) throw FormatError("a vocabulary without words");
-  if (parts->centroids.size() / kDescriptorDimension > kMaxWords) throw FormatError("a vocabulary of too many words");
+Vocabulary::Vocabulary(const std::vector<std::uint8_t>& centroids, const WordIndexOptions& options) {
+  if (centroids.empty()) throw FormatError("a vocabulary without words");
+  if (centroids.size() / kDescriptorDimension > kMaxWords) throw FormatError("a vocabulary of too many words");
+  auto parts = std::make_shared<Parts>(centroids);
   parts->index = build_word_index(parts->centroids, options);
   parts_ = std::move(parts);
 }
@@ -130,8 +138,7 @@ std::shared_ptr<const Vocabulary> Vocabulary::deserialize(std::span<const std::u
   if (words == 0 || words > kMaxWords || columns.size() != std::size_t{words} * kDescriptorDimension) {
     throw FormatError("vocabulary file: words and centroids do not agree");
   }
-  auto parts = std::make_shared<Parts>();
-  parts->centroids = transpose(columns, kDescriptorDimension, words);
+  auto parts = std::make_shared<Parts>(transpose(columns, kDescriptorDimension, words));
   parts->index = load_word_index(parts->centroids, engine, index);
   return std::shared_ptr<const Vocabulary>(new Vocabulary(std::move(parts)));
 }

@@ -16,7 +16,7 @@ namespace mapweld {
 class Vocabulary {
  public:
   // `centroids`: words x 128 bytes, row-major.
-  Vocabulary(std::vector<std::uint8_t> centroids, const WordIndexOptions& options);
+  Vocabulary(const std::vector<std::uint8_t>& centroids, const WordIndexOptions& options);
 
   std::uint32_t words() const;
   std::span<const std::uint8_t> centroids() const;
