@@ -25,8 +25,7 @@ constexpr int kBackgroundShifts = 32;
 constexpr double kNominalTests = 10;  // pairs, models: see docs/verification.md, "Significance"
 constexpr double kNoEvidence = 300;   // log10 of false alarms when there is no model at all
 
-Verification verify_in_order(const AppearanceVector& a, const AppearanceVector& b, std::uint64_t seed,
-                             const VerifierOptions& options) {
+Verification verify_in_order(const AppearanceVector& a, const AppearanceVector& b, const VerifierOptions& options) {
   Verification v;
   v.log10_false_alarms = kNoEvidence;
   const auto reject = [&](Reason reason) {
@@ -49,8 +48,8 @@ Verification verify_in_order(const AppearanceVector& a, const AppearanceVector& 
   if (supported.size() < needed) return reject(Reason::kTooFewInliers);
 
   const Correspondences c = select(all, supported);
-  const TwoViewGeometry geometry =
-      estimate_two_view_geometry(c, v.matches, shuffled(select(all, matches), kBackgroundShifts), seed, {});
+  const TwoViewGeometry geometry = estimate_two_view_geometry(
+      c, v.matches, shuffled(select(all, matches), kBackgroundShifts), 3 * content_hash(a) + content_hash(b), {});
   v.kind = geometry.kind;
   if (v.kind != GeometryKind::kNone) v.geometry = in_pixels(geometry, a, b);
   v.log10_false_alarms = std::min(geometry.log10_false_alarms + portable_log10(kNominalTests), kNoEvidence);
@@ -72,11 +71,7 @@ Verification verify_in_order(const AppearanceVector& a, const AppearanceVector& 
 }  // namespace
 
 Verification EpipolarVerifier::verify(const AppearanceVector& a, const AppearanceVector& b) const {
-  const std::uint64_t hash_a = content_hash(a);
-  const std::uint64_t hash_b = content_hash(b);
-  const bool in_order = hash_a != hash_b ? hash_a < hash_b : a <= b;
-  if (!in_order) return mirrored(verify_in_order(b, a, hash_b * 3 + hash_a, options_));
-  return verify_in_order(a, b, hash_a * 3 + hash_b, options_);
+  return a <= b ? verify_in_order(a, b, options_) : mirrored(verify_in_order(b, a, options_));
 }
 
 std::shared_ptr<const PairVerifier> make_verifier(const VerifierOptions& options) {

@@ -8,19 +8,22 @@
 namespace mapweld {
 namespace {
 
-// One real root of a polynomial within [lo, hi], where its values have different signs.
-template <typename F>
-double bisect(F f, double lo, double hi) {
+// The real root of c3 x^3 + c2 x^2 + c1 x + c0 within [lo, hi], where its values have different signs: Newton's steps,
+// halving where they lead astray.
+double root_between(double c3, double c2, double c1, double c0, double lo, double hi) {
+  const auto f = [&](double x) { return ((c3 * x + c2) * x + c1) * x + c0; };
   const bool rising = f(lo) < 0;
+  double x = 0.5 * (lo + hi);
   for (int i = 0; i < 60; ++i) {
-    const double mid = 0.5 * (lo + hi);
-    if ((f(mid) < 0) == rising) {
-      lo = mid;
-    } else {
-      hi = mid;
-    }
+    const double value = f(x);
+    (((value < 0) == rising) ? lo : hi) = x;
+    const double slope = (3 * c3 * x + 2 * c2) * x + c1;
+    double next = x - value / slope;
+    if (!(next > lo && next < hi)) next = 0.5 * (lo + hi);
+    if (std::fabs(next - x) <= 1e-14 * (1 + std::fabs(x))) return next;
+    x = next;
   }
-  return 0.5 * (lo + hi);
+  return x;
 }
 
 // Real roots of c3 x^3 + c2 x^2 + c1 x + c0.
@@ -41,7 +44,7 @@ int cubic_roots(double c3, double c2, double c1, double c0, std::array<double, 3
   }
   int n = 0;
   for (int i = 0; i < pieces; ++i) {
-    if ((f(ends[i]) < 0) != (f(ends[i + 1]) < 0)) roots[n++] = bisect(f, ends[i], ends[i + 1]);
+    if ((f(ends[i]) < 0) != (f(ends[i + 1]) < 0)) roots[n++] = root_between(c3, c2, c1, c0, ends[i], ends[i + 1]);
   }
   return n;
 }
