@@ -99,8 +99,8 @@ enum class OpenMode : std::uint8_t {
   kReadOnly,   // and query_only
 };
 
-// An open database file. Foreign keys are enforced, the schema is not trusted, `synchronous` is FULL and nothing
-// checkpoints by itself (wal_autocheckpoint = 0): the store does that, on its one writing connection.
+// An open database file. Foreign keys are enforced, `synchronous` is FULL and nothing checkpoints by itself
+// (wal_autocheckpoint = 0): the store does that, on its one writing connection.
 class Connection {
  public:
   // Throws StoreError: kNoPermission, kForeignDatabase (no SQLite file), kIo, kBusy.

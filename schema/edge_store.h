@@ -51,8 +51,8 @@ struct EdgeRow {
 
 struct EdgeFilter {
   std::uint32_t min_inliers = 0;
-  std::optional<bool> inter;      // only inter or only inner edges
-  std::optional<bool> confirmed;  // only confirmed or only unconfirmed edges
+  std::optional<bool> inter = {};      // only inter or only inner edges
+  std::optional<bool> confirmed = {};  // only confirmed or only unconfirmed edges
 };
 
 // Where a list of edges goes on: node of the layout, then the last edge read of it.

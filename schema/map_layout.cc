@@ -57,6 +57,12 @@ void append_node(const Reader& db, LayoutNode node, std::vector<LayoutNode>& nod
     if (std::ranges::find(members, span.member) == members.end()) members.push_back(span.member);
   }
   for (const MapId member : members) {
+    // A map is made after its members: only damage could close a circle.
+    if (member >= nodes[at].map) {
+      throw StoreError(StoreErrorKind::kCorrupt, "map " + std::to_string(to_index(nodes[at].map)) +
+                                                     " has the younger map " + std::to_string(to_index(member)) +
+                                                     " as a member");
+    }
     LayoutNode child;
     child.map = member;
     child.kind = require_map(db, member).kind;

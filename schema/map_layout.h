@@ -65,7 +65,7 @@ class MapLayout {
   std::vector<LeafSpan> leaf_spans_;
 };
 
-// Throws std::out_of_range when there is no such map.
+// Throws std::out_of_range when there is no such map, StoreError kCorrupt when the tree is damaged.
 MapLayout load_layout(const Reader& db, MapId map);
 
 }  // namespace mapweld

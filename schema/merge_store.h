@@ -76,7 +76,8 @@ std::optional<std::uint64_t> claim_merge(WriteTransaction& db, JobId job, Timest
 // now. Earlier epochs are fenced off. False, and nothing changed, when there is no such job.
 bool requeue_merge(WriteTransaction& db, JobId job, std::optional<std::string> budget, Timestamp now);
 
-// One part of a job's state; a name and opaque bytes of any length (schema/blobs/merge_state_blob.h knows what is in them).
+// One part of a job's state; a name and opaque bytes of any length (schema/blobs/merge_state_blob.h knows what is in
+// them).
 struct CheckpointPart {
   std::string name;
   std::span<const std::uint8_t> bytes;

@@ -48,6 +48,7 @@ void WriteTransaction::rollback() noexcept {
 
 Store::Store(const std::filesystem::path& file, const StoreOptions& options) : file_(file), options_(options) {
   next_checkpoint_pages_ = options_.checkpoint_pages;
+  next_restart_pages_ = options_.restart_pages;
   if (options_.read_only) return;
   writer_ = std::make_unique<Connection>(file_, sqlite::OpenMode::kReadWrite);
   writer_->set_busy_timeout_ms(options_.busy_timeout_ms);
@@ -138,13 +139,16 @@ void Store::limit_pages(std::uint32_t pages) {
 }
 
 void Store::after_commit() noexcept {
+  if (wal_pages_ < wal_pages_before_) next_checkpoint_pages_ = options_.checkpoint_pages;  // it has started over
+  wal_pages_before_ = wal_pages_;
   if (wal_pages_ >= next_checkpoint_pages_) {
-    // The WAL starts over when all of it is moved and nobody reads it any more. Under unbroken reading that moment has
-    // to be waited for, lest it grow without end.
-    const bool restart = wal_pages_ >= options_.restart_pages;
     next_checkpoint_pages_ = wal_pages_ + options_.checkpoint_pages;
-    if (move_wal(restart ? SQLITE_CHECKPOINT_RESTART : SQLITE_CHECKPOINT_PASSIVE)) {
-      next_checkpoint_pages_ = options_.checkpoint_pages;
+    // The WAL starts over when all of it is moved and nobody reads it any more. Under unbroken reading that moment has
+    // to be waited for, lest it grow without end; while a reader stays, ever more seldom.
+    if (wal_pages_ < next_restart_pages_) {
+      move_wal(SQLITE_CHECKPOINT_PASSIVE);
+    } else {
+      next_restart_pages_ = move_wal(SQLITE_CHECKPOINT_RESTART) ? options_.restart_pages : 2 * wal_pages_;
     }
   }
   const std::lock_guard lock(mutex_);

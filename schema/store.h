@@ -130,9 +130,11 @@ class Store {
   StoreOptions options_;
   std::mutex writer_turn_;
   std::unique_ptr<sqlite::Connection> writer_;
-  std::uint32_t wal_pages_ = 0;              // told by SQLite after each commit; guarded by writer_turn_
-  std::uint32_t next_checkpoint_pages_ = 0;  // guarded by writer_turn_
-  mutable std::mutex mutex_;                 // guards what follows
+  std::uint32_t wal_pages_ = 0;         // told by SQLite after each commit; guarded by writer_turn_
+  std::uint32_t wal_pages_before_ = 0;  // this and what follows: guarded by writer_turn_
+  std::uint32_t next_checkpoint_pages_ = 0;
+  std::uint32_t next_restart_pages_ = 0;
+  mutable std::mutex mutex_;  // guards what follows
   std::vector<std::unique_ptr<sqlite::Connection>> idle_readers_;
   StoreStatistics statistics_;
 };

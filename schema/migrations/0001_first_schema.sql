@@ -50,7 +50,8 @@ CREATE TABLE member_spans (
   first_vertex INTEGER NOT NULL,
   first_member_vertex INTEGER NOT NULL,
   count INTEGER NOT NULL CHECK (count >= 0),
-  PRIMARY KEY (merged, span)
+  PRIMARY KEY (merged, span),
+  CHECK (member < merged)  -- a map is made after its members: no circles
 ) STRICT, WITHOUT ROWID;
 CREATE INDEX member_spans_by_member ON member_spans (member);
 

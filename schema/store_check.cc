@@ -1,0 +1,283 @@
+#include "schema/store_check.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include <openssl/sha.h>
+
+#include "schema/blobs/appearance_blob.h"
+#include "schema/blobs/evidence_blob.h"
+#include "schema/edge_store.h"
+#include "schema/map_layout.h"
+#include "schema/merge_store.h"
+#include "schema/rows.h"
+#include "schema/segment_postings.h"
+#include "schema/vertex_store.h"
+#include "schema/vocabulary_store.h"
+
+namespace mapweld {
+namespace {
+
+Sha256 hash_of(std::span<const std::uint8_t> bytes) {
+  Sha256 hash{};
+  SHA256(bytes.data(), bytes.size(), hash.data());
+  return hash;
+}
+
+std::string number(std::uint64_t value) { return std::to_string(value); }
+
+// Enough findings: the rest is not looked at.
+struct Enough {};
+
+class Checker {
+ public:
+  Checker(const Reader& db, const StoreCheckOptions& options) : db_(db), options_(options) {}
+
+  StoreCheckReport run() {
+    try {
+      part("database file", [this] { check_file(); });
+      part("vocabularies", [this] { check_vocabularies(); });
+      part("maps", [this] { check_maps(); });
+      part("images", [this] { check_images(); });
+      part("appearances", [this] { check_appearances(); });
+      part("segments", [this] { check_segments(); });
+      part("edges", [this] { check_edges(); });
+      part("merges", [this] { check_merges(); });
+    } catch (const Enough&) {
+    }
+    return std::move(report_);
+  }
+
+ private:
+  void found(std::string where, std::string what) {
+    report_.findings.push_back({std::move(where), std::move(what)});
+    if (report_.findings.size() >= options_.max_findings) throw Enough();
+  }
+
+  void expect(bool holds, const std::string& where, const std::string& what) {
+    if (!holds) found(where, what);
+  }
+
+  // Runs a check in which damage may throw, and takes the exception down as a finding.
+  template <typename Check>
+  void guarded(const std::string& where, Check&& check) {
+    std::optional<std::string> what;
+    try {
+      check();
+    } catch (const StoreError& error) {
+      if (error.kind() == StoreErrorKind::kInternal) throw;  // a defect of the program, not damage
+      what = error.what();
+    } catch (const std::exception& error) {
+      what = error.what();
+    }
+    if (what) found(where, *what);
+  }
+
+  template <typename Check>
+  void part(const std::string& name, Check&& check) {
+    if (options_.on_progress) options_.on_progress(name);
+    guarded(name, check);
+  }
+
+  // Every row of `sql` is a finding: where, what.
+  void findings_of(std::string_view sql) {
+    sqlite::Statement row = db_.prepare(sql);
+    while (row.step()) found(std::string(row.text(0)), std::string(row.text(1)));
+  }
+
+  void check_file() {
+    sqlite::Statement integrity = db_.prepare("PRAGMA integrity_check");
+    while (integrity.step()) {
+      if (integrity.text(0) != "ok") found("database file", std::string(integrity.text(0)));
+    }
+    sqlite::Statement keys = db_.prepare("PRAGMA foreign_key_check");
+    while (keys.step()) {
+      found(std::string(keys.text(0)) + ": row " + std::string(keys.text(1)),
+            "it refers to a row of " + std::string(keys.text(2)) + " that does not exist");
+    }
+  }
+
+  void check_vocabularies() {
+    for (const VocabularyRow& vocabulary : list_vocabularies(db_, SIZE_MAX >> 1)) {
+      const std::string where = "vocabularies: " + vocabulary.name;
+      guarded(where, [&] {
+        expect(hash_of(load_vocabulary_file(db_, vocabulary.id)) == vocabulary.sha256, where,
+               "its file has another SHA-256 than its row");
+      });
+    }
+  }
+
+  void check_maps() {
+    report_.maps = static_cast<std::uint64_t>(db_.connection().query_integer("SELECT count(*) FROM maps"));
+    findings_of(
+        "SELECT 'maps: ' || name, 'it counts ' || vertices || ' vertices, and has ' || n || ' up to number ' || last "
+        "FROM "
+        "(SELECT maps.name AS name, vertices, count(vertex) AS n, coalesce(max(vertex), -1) AS last FROM maps "
+        " LEFT JOIN images ON images.map = maps.id AND vertex IS NOT NULL WHERE kind = 'map' GROUP BY maps.id) "
+        "WHERE vertices <> n OR vertices <> last + 1");
+    findings_of(
+        "SELECT 'maps: ' || name, 'it counts ' || ignored || ' ignored images, and has ' || n FROM "
+        "(SELECT name, ignored, (SELECT count(*) FROM images WHERE images.map = maps.id AND vertex IS NULL) AS n FROM "
+        "maps) "
+        "WHERE ignored <> n");
+    findings_of(
+        "SELECT 'maps: ' || name, 'it counts ' || edges || ' edges, and has ' || n FROM "
+        "(SELECT name, edges, (SELECT count(*) FROM edges WHERE edges.map = maps.id) AS n FROM maps) WHERE edges <> n");
+    findings_of(
+        "SELECT 'maps: ' || m.name, 'it counts ' || m.vertices || ' vertices, and its spans ' || "
+        " coalesce(sum(count), 0) FROM maps m LEFT JOIN member_spans ON merged = m.id WHERE m.kind = 'merged' "
+        "GROUP BY m.id HAVING m.vertices <> coalesce(sum(count), 0)");
+    findings_of(
+        "SELECT 'member_spans: map ' || merged || ', span ' || span, 'it does not follow the span before it' FROM "
+        "(SELECT merged, span, first_vertex, first_member_vertex, "
+        "  sum(count) OVER (PARTITION BY merged ORDER BY span) - count AS expected, "
+        "  sum(count) OVER (PARTITION BY merged, member ORDER BY span) - count AS expected_member FROM member_spans) "
+        "WHERE first_vertex <> expected OR first_member_vertex <> expected_member");
+    findings_of(
+        "SELECT 'member_spans: map ' || merged, 'its member ' || m.name || ' has fewer vertices than its watermark' "
+        "FROM member_spans JOIN maps m ON m.id = member GROUP BY merged, member HAVING sum(count) > m.vertices");
+    findings_of(
+        "SELECT 'member_spans: map ' || merged, 'its member ' || member || ' is younger than itself' FROM member_spans "
+        "WHERE member >= merged");
+    findings_of(
+        "SELECT 'maps: ' || m.name, 'its member ' || o.name || ' has another vocabulary' FROM member_spans "
+        "JOIN maps m ON m.id = merged JOIN maps o ON o.id = member WHERE m.vocabulary <> o.vocabulary");
+  }
+
+  void check_images() {
+    report_.images = static_cast<std::uint64_t>(db_.connection().query_integer("SELECT count(*) FROM images"));
+    findings_of(
+        "SELECT 'images: map ' || map || ', ' || images.name, 'it was ignored for vertex ' || similar_to || ', which "
+        "is not "
+        "there' "
+        "FROM images JOIN maps ON maps.id = map WHERE similar_to >= vertices");
+    sqlite::Statement row =
+        db_.prepare("SELECT map, name, sha256, bytes FROM images JOIN image_bytes ON image = images.id");
+    while (row.step()) {
+      expect(hash_of(row.blob(3)) == rows::sha256(row, 2),
+             "image_bytes: map " + number(static_cast<std::uint64_t>(row.integer(0))) + ", " + std::string(row.text(1)),
+             "the bytes have another SHA-256 than when they were uploaded");
+    }
+  }
+
+  void check_appearances() {
+    findings_of(
+        "SELECT 'appearances: map ' || images.map || ', vertex ' || images.vertex, 'there are none' FROM images "
+        "JOIN maps ON maps.id = images.map LEFT JOIN appearances a ON a.map = images.map AND a.vertex = images.vertex "
+        "AND "
+        "a.vocabulary = maps.vocabulary WHERE images.vertex IS NOT NULL AND deleted_at_us IS NULL AND a.bytes IS NULL");
+    sqlite::Statement row = db_.prepare(
+        "SELECT a.map, a.vertex, a.bytes, width_px, height_px, features, words FROM appearances a "
+        "JOIN images i ON i.map = a.map AND i.vertex = a.vertex JOIN vocabularies v ON v.id = a.vocabulary");
+    while (row.step()) {
+      const std::string where = "appearances: map " + number(static_cast<std::uint64_t>(row.integer(0))) + ", vertex " +
+                                number(static_cast<std::uint64_t>(row.integer(1)));
+      guarded(where, [&] {
+        const AppearanceVector image = blobs::decode_appearances(row.blob(2));
+        expect(image.width_px == row.integer(3) && image.height_px == row.integer(4), where,
+               "they are of an image of another size");
+        expect(static_cast<std::int64_t>(image.appearances.size()) == row.integer(5), where,
+               "there are " + number(image.appearances.size()) + ", and the image has " +
+                   number(static_cast<std::uint64_t>(row.integer(5))) + " features");
+        expect(image.appearances.empty() || to_index(image.appearances.back().word) < row.integer(6), where,
+               "a word is not in the vocabulary");
+      });
+      ++report_.appearances;
+    }
+  }
+
+  void check_segments() {
+    sqlite::Statement owner = db_.prepare(
+        "SELECT DISTINCT map, segments.vocabulary, vertices FROM segments JOIN maps ON maps.id = map ORDER BY 1, 2");
+    while (owner.step()) {
+      const auto map = owner.id<MapId>(0);
+      const auto vocabulary = owner.id<VocabularyId>(1);
+      std::uint64_t next = 0;
+      for (const SegmentRow& segment : list_segments(db_, map, vocabulary)) {
+        const std::string where = "segments: map " + number(static_cast<std::uint64_t>(to_index(map))) +
+                                  ", from vertex " + number(to_index(segment.first));
+        expect(to_index(segment.first) == next, where, "it does not follow the segment before it");
+        next = std::uint64_t{to_index(segment.first)} + segment.count;
+        expect(static_cast<std::int64_t>(next) <= owner.integer(2), where, "it reaches beyond the map");
+        guarded(where, [&] {
+          const auto expected = invert_appearances(db_, map, vocabulary, segment.first, segment.count);
+          expect(expected.has_value(), where, "a vertex in it has no appearances");
+          expect(!expected || read_segment(db_, segment) == *expected, where,
+                 "its postings are not those of the appearances");
+        });
+        ++report_.segments;
+      }
+    }
+  }
+
+  // The number of features of each vertex of a map, of any level of merging.
+  std::vector<std::uint32_t> features_of(MapId map) {
+    std::vector<std::uint32_t> features;
+    const MapLayout layout = load_layout(db_, map);
+    features.reserve(layout.vertices());
+    for (const MapLayout::LeafSpan& span : layout.leaf_spans()) {
+      sqlite::Statement row =
+          db_.prepare("SELECT features FROM images WHERE map = ? AND vertex >= ? AND vertex < ? ORDER BY vertex");
+      const std::uint64_t first = to_index(span.leaf_first);
+      row.bind_all(span.leaf, first, first + span.count);
+      while (row.step()) features.push_back(static_cast<std::uint32_t>(row.integer(0)));
+    }
+    return features;
+  }
+
+  void check_edges() {
+    findings_of(
+        "SELECT 'edges: ' || edges.id, 'its merge is not the one that made its map' FROM edges "
+        "LEFT JOIN merges ON merges.id = job WHERE job IS NOT NULL AND merges.map IS NOT edges.map");
+    findings_of(
+        "SELECT 'edges: ' || edges.id, 'an inner edge in a merged map, or an inter edge in a plain one' FROM edges "
+        "JOIN maps ON maps.id = map WHERE (job IS NOT NULL) <> (kind = 'merged')");
+    sqlite::Statement owner = db_.prepare("SELECT DISTINCT map FROM edges ORDER BY map");
+    while (owner.step()) {
+      std::vector<std::uint32_t> features;
+      guarded("edges: map " + number(static_cast<std::uint64_t>(owner.integer(0))),
+              [&] { features = features_of(owner.id<MapId>(0)); });
+      sqlite::Statement row = db_.prepare("SELECT id, u, v, inliers, evidence FROM edges WHERE map = ?");
+      row.bind(1, owner.integer(0));
+      while (row.step()) {
+        const std::string where = "edges: " + number(static_cast<std::uint64_t>(row.integer(0)));
+        const auto u = static_cast<std::uint64_t>(row.integer(1));
+        const auto v = static_cast<std::uint64_t>(row.integer(2));
+        ++report_.edges;
+        expect(v < features.size(), where, "one of its vertices does not exist");
+        if (v >= features.size()) continue;
+        guarded(where, [&] {
+          Verification verdict;
+          blobs::decode_evidence(row.blob(4), verdict);
+          const auto& matches = verdict.inlier_matches;
+          expect(matches.empty() || static_cast<std::int64_t>(matches.size()) == row.integer(3), where,
+                 "it has not as many matches as inliers");
+          expect(std::ranges::all_of(matches,
+                                     [&](const auto& m) { return m.first < features[u] && m.second < features[v]; }),
+                 where, "a match names a feature that its image does not have");
+        });
+      }
+    }
+  }
+
+  void check_merges() {
+    findings_of(
+        "SELECT 'merges: ' || merges.id, 'its map is no merged map' FROM merges JOIN maps ON maps.id = map "
+        "WHERE kind <> 'merged'");
+    for (const MergeRow& merge : list_merges(db_, SIZE_MAX >> 1)) {
+      guarded("checkpoints: merge " + number(static_cast<std::uint64_t>(to_index(merge.id))),
+              [&] { report_.checkpoints += load_checkpoint(db_, merge.id).size(); });
+    }
+  }
+
+  const Reader& db_;
+  const StoreCheckOptions& options_;
+  StoreCheckReport report_;
+};
+
+}  // namespace
+
+StoreCheckReport check_store(const Reader& db, const StoreCheckOptions& options) { return Checker(db, options).run(); }
+
+}  // namespace mapweld

@@ -1,0 +1,89 @@
+#include "schema/migrations.h"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/temp_store.h"
+
+namespace mapweld {
+namespace {
+
+class MigrationsTest : public testing::Test {
+ protected:
+  std::int64_t version() { return connection_.query_integer("PRAGMA user_version"); }
+  std::int64_t tables() { return connection_.query_integer("SELECT count(*) FROM sqlite_schema WHERE type = 'table'"); }
+  test::TempFolder folder_;
+  sqlite::Connection connection_{folder_.path() / "a.db", sqlite::OpenMode::kCreate};
+};
+
+const std::vector<Migration> kSteps = {
+    {1, "0001_one", "CREATE TABLE a (i INTEGER PRIMARY KEY) STRICT; INSERT INTO a VALUES (1), (2)"},
+    {2, "0002_two", "CREATE TABLE b (a INTEGER REFERENCES a (i)) STRICT; INSERT INTO b VALUES (1)"},
+    {3, "0003_three", "ALTER TABLE a ADD COLUMN t TEXT"}};
+
+TEST_F(MigrationsTest, TheProgramsOwnAreNumberedWithoutGapsAndMakeStrictTables) {
+  int expected = 0;
+  for (const Migration& step : migrations()) EXPECT_EQ(step.version, ++expected);
+  EXPECT_EQ(migrate(connection_, migrations()), 0);
+  EXPECT_EQ(version(), schema_version());
+  EXPECT_EQ(connection_.query_integer("SELECT count(*) FROM pragma_table_list WHERE schema = 'main' AND NOT strict AND "
+                                      "name NOT LIKE 'sqlite_%'"),
+            0);
+  EXPECT_EQ(connection_.query_integer("PRAGMA application_id"), 0x4D574C44);
+}
+
+TEST_F(MigrationsTest, EveryStepIsTakenOnce) {
+  EXPECT_EQ(migrate(connection_, std::span(kSteps).first(1)), 0);
+  EXPECT_EQ(version(), 1);
+  EXPECT_EQ(migrate(connection_, kSteps), 1);
+  EXPECT_EQ(version(), 3);
+  EXPECT_EQ(migrate(connection_, kSteps), 3);
+  EXPECT_EQ(connection_.query_integer("SELECT count(*) FROM a"), 2);
+  EXPECT_EQ(connection_.query_integer("PRAGMA foreign_keys"), 1);
+}
+
+TEST_F(MigrationsTest, AStepThatFailsLeavesTheVersionBeforeItWhole) {
+  std::vector<Migration> steps = kSteps;
+  steps[2].sql = "CREATE TABLE c (i INTEGER) STRICT; DROP TABLE a; INSERT INTO nowhere VALUES (1)";
+  EXPECT_THROW(migrate(connection_, steps), StoreError);
+  EXPECT_EQ(version(), 2);
+  EXPECT_EQ(tables(), 2);
+  EXPECT_EQ(migrate(connection_, kSteps), 2);
+}
+
+TEST_F(MigrationsTest, AStepThatLeavesADanglingReferenceIsUndone) {
+  std::vector<Migration> steps = kSteps;
+  steps[2].sql = "DELETE FROM a WHERE i = 1";
+  try {
+    migrate(connection_, steps);
+    FAIL();
+  } catch (const StoreError& error) {
+    EXPECT_EQ(error.kind(), StoreErrorKind::kCorrupt);
+  }
+  EXPECT_EQ(version(), 2);
+  EXPECT_EQ(connection_.query_integer("SELECT count(*) FROM a"), 2);
+}
+
+TEST_F(MigrationsTest, ATableMayBeRebuiltUnderItsReferences) {
+  std::vector<Migration> steps = kSteps;
+  steps[2].sql =
+      "CREATE TABLE fresh (i INTEGER PRIMARY KEY, t TEXT NOT NULL DEFAULT '') STRICT;"
+      "INSERT INTO fresh (i) SELECT i FROM a; DROP TABLE a; ALTER TABLE fresh RENAME TO a";
+  EXPECT_EQ(migrate(connection_, steps), 0);
+  EXPECT_EQ(connection_.query_integer("SELECT count(*) FROM b JOIN a ON a.i = b.a"), 1);
+}
+
+TEST_F(MigrationsTest, ANewerDatabaseIsRefusedAndStaysAsItIs) {
+  migrate(connection_, kSteps);
+  try {
+    migrate(connection_, std::span(kSteps).first(2));
+    FAIL();
+  } catch (const StoreError& error) {
+    EXPECT_EQ(error.kind(), StoreErrorKind::kNewerVersion);
+  }
+  EXPECT_EQ(version(), 3);
+}
+
+}  // namespace
+}  // namespace mapweld
