@@ -1,8 +1,9 @@
 #include "core/geometry/spatial_consistency.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
+#include <limits>
+#include <utility>
 
 namespace mapweld {
 namespace {
@@ -12,16 +13,25 @@ std::vector<std::uint8_t> nearest(const std::vector<float>& x, const std::vector
                                   const std::vector<std::uint32_t>& chosen, std::size_t count) {
   const std::size_t n = chosen.size();
   std::vector<std::uint8_t> near(n * n, 0);
-  std::vector<std::uint64_t> order(n);  // distance, then index: floats that are not negative order as their bits do
+  if (count == 0) return near;
+  std::vector<float> px(n);
+  std::vector<float> py(n);
   for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = 0; j < n; ++j) {
-      const float dx = x[chosen[j]] - x[chosen[i]];
-      const float dy = y[chosen[j]] - y[chosen[i]];
-      order[j] = std::uint64_t{std::bit_cast<std::uint32_t>(dx * dx + dy * dy)} << 32 | j;
+    px[i] = x[chosen[i]];
+    py[i] = y[chosen[i]];
+  }
+  std::vector<float> d2(n);
+  std::vector<std::pair<float, std::uint32_t>> best(count);  // ascending
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) d2[j] = (px[j] - px[i]) * (px[j] - px[i]) + (py[j] - py[i]) * (py[j] - py[i]);
+    std::ranges::fill(best, std::pair{std::numeric_limits<float>::infinity(), 0u});
+    for (std::uint32_t j = 0; j < n; ++j) {
+      if (!(d2[j] < best.back().first) || j == i) continue;
+      std::size_t place = count - 1;
+      for (; place > 0 && d2[j] < best[place - 1].first; --place) best[place] = best[place - 1];
+      best[place] = {d2[j], j};
     }
-    order[i] = UINT64_MAX;  // not its own neighbour
-    std::ranges::nth_element(order, order.begin() + static_cast<std::ptrdiff_t>(count));
-    for (std::size_t r = 0; r < count; ++r) near[i * n + (order[r] & UINT32_MAX)] = 1;
+    for (const auto& [distance2, j] : best) near[i * n + j] = 1;
   }
   return near;
 }
