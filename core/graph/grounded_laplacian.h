@@ -1,0 +1,34 @@
+// Solving with a grounded Laplacian: the row and column of one vertex dropped, which leaves a positive definite matrix.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include <Eigen/Core>
+
+namespace mapweld {
+
+struct LaplacianEdge {
+  int u = 0;
+  int v = 0;
+  double weight = 0;  // > 0
+};
+
+// Immutable once made.
+class GroundedLaplacian {
+ public:
+  enum class Method { kCholesky, kConjugateGradients };
+  virtual ~GroundedLaplacian() = default;
+  // Solves L_g x = b; n - 1 entries each: vertex v stands at v, or at v - 1 past the ground.
+  virtual Eigen::VectorXd solve(const Eigen::VectorXd& b) const = 0;
+  virtual Method method() const = 0;
+};
+
+// For a connected graph of n = `vertices` vertices. A sparse LDL^T factor after a minimum degree ordering (AMD) when
+// that takes at most `max_factor_work` multiplications, told beforehand from the elimination tree (Davis 2006,
+// section 4.4); otherwise conjugate gradients, preconditioned by an incomplete Cholesky factor, to a relative residual
+// of 1e-13.
+std::unique_ptr<GroundedLaplacian> ground_laplacian(int vertices, int ground, std::span<const LaplacianEdge> edges,
+                                                    double max_factor_work);
+
+}  // namespace mapweld
