@@ -33,7 +33,7 @@ struct Pose {
 struct CameraModel {
   int width_px = 320;
   int height_px = 240;
-  double focal_px = 245;  // 66 degrees across
+  double focal_px = 228;  // 70 degrees across
 };
 
 // What the building is like.
@@ -60,13 +60,14 @@ struct WorldOptions {
 
 // How a robot's camera sees the world: its hour of the day, its sensor.
 struct CameraConditions {
-  double lamps = 0.80;           // weight of the light of lamps
-  double daylight = 0.5;         // weight of the light through windows
-  double gain = 1.0;             // exposure
-  double gamma = 1.0;            // > 1: darker middle tones
-  double warmth = 0.0;           // -1: bluish .. 1: reddish
-  double vignetting = 0.15;      // loss of light in the corners, 0 .. 1
-  double noise_sigma = 2.0;      // grey levels
+  double lamps = 0.95;       // weight of the light of lamps
+  double daylight = 0.5;     // weight of the light through windows
+  double gain = 1.0;         // exposure
+  double gamma = 1.0;        // > 1: darker middle tones
+  double warmth = 0.0;       // -1: bluish .. 1: reddish
+  double vignetting = 0.15;  // loss of light in the corners, 0 .. 1
+
+  double noise_sigma = 1.7;      // grey levels
   double motion_blur_px = 0;     // across, full length, at most 8
   std::uint64_t noise_seed = 0;  // seeds the noise of this image
 };

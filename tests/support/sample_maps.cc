@@ -46,14 +46,13 @@ CameraConditions conditions_of_a() { return {}; }
 
 CameraConditions conditions_of_b() {
   CameraConditions conditions;
-  conditions.lamps = 0.76;
+  conditions.lamps = 0.80;
   conditions.daylight = 0.15;
-  conditions.gain = 0.92;
-  conditions.gamma = 1.12;
+  conditions.gain = 1.08;
+  conditions.gamma = 1.08;
   conditions.warmth = 0.45;
   conditions.vignetting = 0.3;
-  conditions.noise_sigma = 3.0;
-  conditions.motion_blur_px = 0.5;
+  conditions.noise_sigma = 2.2;
   return conditions;
 }
 
@@ -63,7 +62,7 @@ CameraConditions conditions_of_queries() {
   conditions.daylight = 0.35;
   conditions.gamma = 0.94;
   conditions.warmth = -0.4;
-  conditions.noise_sigma = 2.5;
+  conditions.noise_sigma = 2.2;
   return conditions;
 }
 

@@ -64,6 +64,12 @@ double seen_by(const ViewRecord& a, const ViewRecord& b) {
   // Pixels are squares about whole coordinates: the image reaches from -0.5 on.
   const float centre_x = static_cast<float>(width) / 2;
   const float centre_y = static_cast<float>(height) / 2;
+  const auto ax = static_cast<float>(a.pose_.x_m);
+  const auto ay = static_cast<float>(a.pose_.y_m);
+  const auto az = static_cast<float>(a.pose_.height_m);
+  const auto bx = static_cast<float>(b.pose_.x_m);
+  const auto by = static_cast<float>(b.pose_.y_m);
+  const auto bz = static_cast<float>(b.pose_.height_m);
   int seen = 0;
   for (const ViewRecord::Point& p : a.points_) {
     const float z = m[8] * p.x + m[9] * p.y + m[10] * p.z + m[11];
@@ -71,6 +77,8 @@ double seen_by(const ViewRecord& a, const ViewRecord& b) {
     const float x = (m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3]) / z * focal + centre_x;
     const float y = (m[4] * p.x + m[5] * p.y + m[6] * p.z + m[7]) / z * focal + centre_y;
     if (!(x >= 0 && y >= 0 && x < static_cast<float>(width) && y < static_cast<float>(height))) continue;
+    const float along = (p.x - ax) * (p.x - bx) + (p.y - ay) * (p.y - by) + (p.z - az) * (p.z - bz);
+    if (!(along > 0)) continue;
     // Surfaces are flat and opaque: b sees the point if it sees the point's surface in its direction.
     seen += b.surfaces_[static_cast<std::size_t>(static_cast<int>(y) * width + static_cast<int>(x))] == p.surface;
   }

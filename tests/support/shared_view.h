@@ -38,8 +38,9 @@ class ViewRecord {
   std::array<std::uint64_t, 8> signature_{};  // a Bloom filter of the surfaces seen
 };
 
-// The share of a's pixels whose surface point b sees as well: it projects into b's image and nothing hides it there.
-// Estimated on 32 x 24 pixels of a.
+// The share of a's pixels whose surface point b sees as well: it projects into b's image, nothing hides it there, and
+// both look at it from the same side, their lines of sight less than 90 degrees apart (two robots who face each other
+// along a corridor see the same walls, but not alike). Estimated on 32 x 24 pixels of a.
 double seen_by(const ViewRecord& a, const ViewRecord& b);
 
 // Co-visibility of two images, 0..1: the smaller of seen_by(a, b) and seen_by(b, a). Symmetric: at least this share of

@@ -20,6 +20,7 @@ enum class Design : std::uint8_t {
   kFabric,    // 1 m x 1 m
   kMetal,     // 1 m x 1 m
   kConcrete,  // 1 m x 1 m
+  kCables,    // 1 m x 0.16 m, a tray of cables under a ceiling
   kPaint,     // 1 m x 1 m, plain lacquer for frames and legs
   // flat things on walls
   kPoster,        // 0.59 m x 0.84 m
@@ -27,6 +28,7 @@ enum class Design : std::uint8_t {
   kNoticeBoard,   // 1.5 m x 1.0 m
   kWhiteboard,    // 1.6 m x 1.0 m
   kDoor,          // 0.98 m x 2.08 m
+  kSheet,         // 0.21 m x 0.30 m
   kDoorPlate,     // 0.22 m x 0.16 m; the index is the room's number
   kSign,          // 0.40 m x 0.20 m
   kExitSign,      // 0.44 m x 0.20 m
@@ -34,6 +36,8 @@ enum class Design : std::uint8_t {
   kExtinguisher,  // 0.20 m x 0.55 m, cut out
   kHoseBox,       // 0.60 m x 0.75 m
   kSwitch,        // 0.09 m x 0.16 m
+  kSocket,        // 0.22 m x 0.09 m
+  kGrille,        // 0.45 m x 0.25 m, of the ventilation
   kWindow,        // 1.5 m x 1.3 m: the view outside
   // fronts of furniture
   kBookshelf,   // 0.9 m x 2.0 m

@@ -12,8 +12,8 @@ int samples(double length) { return length < 0.6 ? 1 : std::clamp(static_cast<in
 
 Light light_on(const Cell& cell, const Vec3& point, const Vec3& normal) {
   // Light that has been reflected to and fro: more comes from the bright upper half of a room.
-  double lamps = 0.40 + 0.05 * normal.z;
-  if (normal.z < -0.5) lamps += 0.22;
+  double lamps = 0.62 + 0.06 * normal.z;
+  if (normal.z < -0.5) lamps += 0.25;
   double daylight = 0;
   for (const Lamp& lamp : cell.lamps) {
     const Vec3 to_lamp = lamp.position - point;

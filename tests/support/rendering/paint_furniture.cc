@@ -397,6 +397,13 @@ cv::Mat paint_furniture(Design design, Random& random) {
       return c;
     }
     default: {
+      if (random.chance(0.6)) {  // a loudspeaker behind its holes
+        cv::Mat speaker = canvas(96, 96, rgb(222, 222, 216));
+        disc(speaker, 48, 48, 42, rgb(186, 186, 180));
+        for (int i = 0; i < 49; ++i)
+          disc(speaker, 18 + 10 * (i % 7), 18 + 10 * (i / 7.0 - i % 7 / 7.0), 2.6, rgb(70, 70, 70));
+        return speaker;
+      }
       cv::Mat c = canvas(96, 96, rgb(212, 212, 208));
       for (int i = 0; i < 7; ++i) fill(c, 8, 10 + i * 12, 80, 6, rgb(90, 92, 96));
       outline(c, 0, 0, 96, 96, rgb(170, 170, 168), 3);

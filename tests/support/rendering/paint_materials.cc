@@ -18,7 +18,7 @@ cv::Mat paint_wall(Random& random) {
   const int height = 360;
   const Colour colour = wall_paint(random);
   cv::Mat wall = canvas(width, height, colour);
-  const int style = random.below(6);
+  const int style = random.below(9);
   if (style == 1) {  // darker below a rail
     const double rail = height * random.uniform(0.58, 0.68);
     fill(wall, 0, rail, width, height - rail, scaled(colour, random.uniform(0.6, 0.85)));
@@ -29,15 +29,15 @@ cv::Mat paint_wall(Random& random) {
       const double y = static_cast<double>(height) * r / rows;
       for (int c = 0; c < 10; ++c) {
         const double x = width * (c + 0.5 * (r % 2)) / 10;
-        const double shade = random.uniform(0.965, 1.015);
+        const double shade = random.uniform(0.93, 1.04);
         fill(wall, x, y, width / 10.0, height / static_cast<double>(rows), scaled(colour, shade));
         if (r % 2 == 1 && c == 9)
           fill(wall, 0, y, width / 20.0, height / static_cast<double>(rows), scaled(colour, shade));
       }
-      stroke(wall, 0, y, width, y, scaled(colour, 0.86), 1);
+      stroke(wall, 0, y, width, y, scaled(colour, 0.8), 1);
       for (int c = 0; c < 10; ++c) {
         const double x = width * (c + 0.5 * (r % 2)) / 10;
-        fill(wall, x, y, 1, height / static_cast<double>(rows), scaled(colour, 0.88));
+        fill(wall, x, y, 1, height / static_cast<double>(rows), scaled(colour, 0.82));
       }
     }
   } else if (style == 3) {  // panels
@@ -48,15 +48,47 @@ cv::Mat paint_wall(Random& random) {
     }
   } else if (style == 4) {  // a coloured band
     fill(wall, 0, height * 0.5, width, height * 0.07, any_colour(random));
+  } else if (style == 5) {  // roughcast
+    add_noise(wall, 9, 16, random.next());
+    add_noise(wall, 3, 12, random.next());
+  } else if (style == 6) {  // bricks
+    const Colour brick = Hsv{random.uniform(8, 40), random.uniform(0.2, 0.55), random.uniform(0.5, 0.85)};
+    const double pitch_x = width / 18.0;
+    const double pitch_y = height / 36.0;
+    fill(wall, 0, 0, width, height, scaled(brick, 1.12));
+    for (int r = 0; r < 36; ++r) {
+      for (int c = -1; c < 18; ++c) {
+        const double x = pitch_x * (c + 0.5 * (r % 2));
+        const double shade = c < 17 || r % 2 == 0 ? random.uniform(0.88, 1.06) : 0.95;
+        fill(wall, x, r * pitch_y, pitch_x - 2, pitch_y - 1.5, scaled(brick, c == -1 ? 0.95 : shade));
+      }
+    }
+  } else if (style == 7) {  // wallpaper with a loose pattern
+    const Colour leaf = scaled(colour, random.uniform(0.7, 0.88));
+    for (int i = 0; i < 130; ++i) {
+      const double x = random.uniform(8, width - 8);
+      const double y = random.uniform(8, height - 20);
+      const double size = random.uniform(3, 9);
+      const double angle = random.uniform(0, 180);
+      stroke(wall, x, y, x + size * cos_deg(angle), y + size * sin_deg(angle), leaf, 2);
+      stroke(wall, x, y, x + size * cos_deg(angle + 70), y + size * sin_deg(angle + 70), leaf, 2);
+      disc(wall, x, y, size * 0.25, scaled(colour, 0.75));
+    }
   }
   add_noise(wall, 90, 4, random.next());
   add_noise(wall, 5, 3, random.next());
-  for (int i = 0; i < 10; ++i) {  // scuffs of trolleys and shoes
+  for (int i = 0; i < 14; ++i) {  // scuffs of trolleys and shoes
     const double x = random.uniform(0, width - 40);
     const double y = height * random.uniform(0.7, 0.95);
-    const double dx = random.uniform(4, 36);
-    const double dy = random.uniform(-3, 3);
-    stroke(wall, x, y, x + dx, y + dy, scaled(colour, random.uniform(0.7, 0.9)), 1);
+    const double dx = random.uniform(3, 20);
+    const double dy = random.uniform(-6, 6);
+    stroke(wall, x, y, x + dx, y + dy, scaled(colour, random.uniform(0.55, 0.85)), 1);
+  }
+  for (int i = 0; i < 9; ++i) {  // screw holes, filled and not
+    const double x = random.uniform(0, width);
+    const double y = height * random.uniform(0.2, 0.6);
+    const double radius = random.uniform(1.0, 2.2);
+    disc(wall, x, y, radius, scaled(colour, random.chance(0.5) ? 0.45 : 1.12));
   }
   const Colour skirting = random.chance(0.5) ? rgb(70, 66, 62) : scaled(colour, 0.6);
   fill(wall, 0, height - 13, width, 13, skirting);
@@ -71,9 +103,10 @@ cv::Mat paint_floor(Random& random) {
     const Colour colour = Hsv{random.uniform(180, 260), random.uniform(0.05, 0.3), random.uniform(0.28, 0.45)};
     cv::Mat floor = canvas(size, size, colour);
     for (int i = 0; i < 16; ++i) {
-      fill(floor, (i % 4) * 80, (i / 4) * 80, 80, 80, scaled(colour, random.uniform(0.92, 1.08)));
+      fill(floor, (i % 4) * 80, (i / 4) * 80, 80, 80, scaled(colour, random.uniform(0.86, 1.12)));
     }
-    add_noise(floor, 3, 14, random.next());
+    add_noise(floor, 3, 30, random.next());
+    add_noise(floor, 12, 14, random.next());
     return floor;
   }
   if (style == 1) {  // parquet
@@ -89,29 +122,29 @@ cv::Mat paint_floor(Random& random) {
       }
       fill(floor, 0, r * 16, size, 1, scaled(colour, 0.7));
     }
-    add_noise(floor, 8, 6, random.next());
+    add_noise(floor, 8, 10, random.next());
     return floor;
   }
   if (style == 2) {  // ceramic tiles
     const Colour colour = Hsv{random.uniform(0, 360), random.uniform(0.02, 0.15), random.uniform(0.6, 0.8)};
     cv::Mat floor = canvas(size, size, scaled(colour, 0.7));
     for (int i = 0; i < 16; ++i) {
-      fill(floor, (i % 4) * 80 + 1, (i / 4) * 80 + 1, 78, 78, scaled(colour, random.uniform(0.93, 1.04)));
+      fill(floor, (i % 4) * 80 + 1, (i / 4) * 80 + 1, 78, 78, scaled(colour, random.uniform(0.9, 1.06)));
     }
-    add_noise(floor, 20, 7, random.next());
-    add_noise(floor, 3, 5, random.next());
+    add_noise(floor, 20, 12, random.next());
+    add_noise(floor, 4, 9, random.next());
     return floor;
   }
   // linoleum
   const Colour colour = Hsv{random.uniform(60, 220), random.uniform(0.05, 0.25), random.uniform(0.5, 0.7)};
   cv::Mat floor = canvas(size, size, colour);
-  add_noise(floor, 40, 8, random.next());
-  for (int i = 0; i < 900; ++i) {
+  add_noise(floor, 40, 12, random.next());
+  for (int i = 0; i < 1400; ++i) {
     const double x = random.uniform(0, size);
     const double y = random.uniform(0, size);
     const double width = random.uniform(1, 4);
     const double height = random.uniform(1, 3);
-    fill(floor, x, y, width, height, scaled(colour, random.uniform(0.8, 1.2)));
+    fill(floor, x, y, width, height, scaled(colour, random.uniform(0.7, 1.3)));
   }
   return floor;
 }
@@ -123,10 +156,11 @@ cv::Mat paint_ceiling(Random& random) {
   for (int i = 0; i < 16; ++i) {
     fill(ceiling, (i % 4) * 64, (i / 4) * 64, 64, 64, scaled(colour, random.uniform(0.96, 1.02)));
   }
-  for (int i = 0; i < 260; ++i) {
+  for (int i = 0; i < 420; ++i) {
     const double x = random.uniform(0, size);
     const double y = random.uniform(0, size);
-    fill(ceiling, x, y, 1, 1, scaled(colour, 0.8));
+    const double dot = random.uniform(1, 3);
+    fill(ceiling, x, y, dot, dot, scaled(colour, random.uniform(0.66, 0.9)));
   }
   for (int i = 0; i < 4; ++i) {
     fill(ceiling, 0, i * 64, size, 2, scaled(colour, 0.82));
@@ -190,9 +224,27 @@ cv::Mat paint_material(Design design, Random& random) {
       add_noise(concrete, 4, 14, random.next());
       return concrete;
     }
-    default: {
-      cv::Mat lacquer = canvas(32, 32, scaled(any_colour(random), 0.8));
-      return lacquer;
+    case Design::kCables: {
+      cv::Mat tray = canvas(200, 32, rgb(120, 124, 130));
+      const int cables = random.between(5, 8);
+      for (int i = 0; i < cables; ++i) {
+        const double y = 3 + 26.0 * i / cables;
+        const double saturation = random.chance(0.6) ? 0.05 : 0.7;
+        stroke(tray, 0, y, 199, y, Hsv{random.uniform(0, 360), saturation, random.uniform(0.1, 0.9)}, 2);
+      }
+      for (int x = 10; x < 200; x += 40) fill(tray, x, 0, 5, 32, rgb(150, 154, 160));
+      for (int i = 0; i < 3; ++i) {
+        const double x = random.uniform(15, 170);
+        const double y = random.uniform(2, 18);
+        fill(tray, x, y, 18, 9, random.chance(0.5) ? rgb(240, 240, 235) : rgb(220, 190, 40));
+      }
+      return tray;
+    }
+    default: {  // mostly quiet colours, as joiners choose them
+      const bool quiet = random.chance(0.85);
+      const double hue = random.uniform(0, 360);
+      const double saturation = quiet ? random.uniform(0.0, 0.16) : random.uniform(0.3, 0.6);
+      return canvas(32, 32, Hsv{hue, saturation, random.uniform(0.2, 0.85)});
     }
   }
 }

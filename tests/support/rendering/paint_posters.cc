@@ -62,7 +62,7 @@ void hills(cv::Mat& c, Random& random) {
     cv::fillPoly(c, std::vector<std::vector<cv::Point>>{line},
                  Hsv{hue + 60 + random.uniform(-40, 90), random.uniform(0.2, 0.7), 0.85 - 0.6 * r / ranges});
   }
-  const int trees = random.between(6, 16);
+  const int trees = random.between(14, 30);
   for (int i = 0; i < trees; ++i) {
     const double x = random.uniform(0, c.cols);
     const double y = c.rows * random.uniform(0.75, 0.98);
@@ -81,7 +81,7 @@ void blocks(cv::Mat& c, Random& random) {
     double x, y, w, h;
   };
   std::vector<Box> boxes{{0, 0, static_cast<double>(c.cols), static_cast<double>(c.rows)}};
-  for (int i = 0; i < 13; ++i) {
+  for (int i = 0; i < 19; ++i) {
     const auto which = static_cast<std::size_t>(random.below(static_cast<int>(boxes.size())));
     Box& box = boxes[which];
     const double cut = random.uniform(0.3, 0.7);
@@ -105,7 +105,7 @@ void blocks(cv::Mat& c, Random& random) {
 
 void shapes(cv::Mat& c, Random& random) {
   random_gradient(c, random);
-  const int count = random.between(9, 20);
+  const int count = random.between(18, 34);
   for (int i = 0; i < count; ++i) {
     const Colour colour = any_colour(random);
     const double x = random.uniform(0, c.cols);
@@ -176,6 +176,14 @@ void cells(cv::Mat& c, Random& random) {  // like a micrograph
 
 void face(cv::Mat& c, Random& random) {
   random_gradient(c, random);
+  const Colour pattern = any_colour(random);
+  const double pitch = random.uniform(22, 46);
+  for (double py = pitch / 2; py < c.rows; py += pitch) {
+    for (double px = pitch / 2; px < c.cols; px += pitch) {
+      const double radius = pitch * random.uniform(0.08, 0.34);
+      disc(c, px, py, radius, scaled(pattern, random.uniform(0.5, 1.4)));
+    }
+  }
   const double x = c.cols * random.uniform(0.42, 0.58);
   const double y = c.rows * 0.42;
   const double r = c.cols * random.uniform(0.2, 0.27);
@@ -292,7 +300,7 @@ cv::Mat paint_poster(Random& random) {
       research(c, random);
       break;
   }
-  if (random.chance(0.4)) {
+  if (random.chance(0.5)) {
     const Colour band = any_colour(random);
     const double y = random.chance(0.5) ? 0 : c.rows * 0.86;
     fill(c, 0, y, c.cols, c.rows * 0.14, band);

@@ -275,6 +275,38 @@ cv::Mat paint_wall_thing(Design design, std::uint64_t index, Random& random) {
       return paint_exit_sign(random);
     case Design::kClock:
       return paint_clock(random);
+    case Design::kSheet: {
+      cv::Mat c = canvas(84, 120, random.chance(0.7) ? rgb(246, 246, 240) : Hsv{random.uniform(0, 360), 0.35, 0.95});
+      const double head = random.uniform(8, 18);
+      const double head_width = random.uniform(30, 66);
+      fill(c, 8, 9, head_width, head, any_colour(random));
+      if (random.chance(0.5)) {
+        const double h = random.uniform(24, 44);
+        fill(c, 8, 34, 68, h, any_colour(random));
+        const double x = random.uniform(20, 60);
+        disc(c, x, 34 + h / 2, h * 0.3, any_colour(random));
+        print_lines(c, 8, 42 + h, 68, 70 - h, 8, rgb(50, 50, 56), random);
+      } else {
+        print_lines(c, 8, 36, 68, 78, 8, rgb(50, 50, 56), random);
+      }
+      return c;
+    }
+    case Design::kSocket: {
+      cv::Mat c = canvas(96, 40, rgb(238, 238, 232));
+      for (int i = 0; i < 2; ++i) {
+        disc(c, 25 + 46 * i, 20, 15, rgb(190, 190, 184));
+        disc(c, 19 + 46 * i, 20, 3, rgb(40, 40, 40));
+        disc(c, 31 + 46 * i, 20, 3, rgb(40, 40, 40));
+      }
+      outline(c, 0, 0, 96, 40, rgb(140, 140, 136), 2);
+      return c;
+    }
+    case Design::kGrille: {
+      cv::Mat c = canvas(144, 80, rgb(190, 192, 192));
+      for (int i = 0; i < 8; ++i) fill(c, 8, 8 + i * 8.5, 128, 4, rgb(70, 72, 76));
+      outline(c, 0, 0, 144, 80, rgb(150, 152, 152), 4);
+      return c;
+    }
     case Design::kExtinguisher:
       return paint_extinguisher();
     case Design::kHoseBox:

@@ -194,6 +194,16 @@ PieceSize size_of(Piece piece) {
       return {0.6, 0.2, 0.8, 1.55};
     case Piece::kSwitch:
       return {0.09, 0.01, 1.05, 1.21};
+    case Piece::kSocket:
+      return {0.22, 0.02, 0.26, 0.36};
+    case Piece::kGrille:
+      return {0.45, 0.02, 2.3, 2.55};
+    case Piece::kSheets:
+      return {0.75, 0.02, 1.34, 1.86};
+    case Piece::kWallShelf:
+      return {0.9, 0.24, 1.38, 1.85};
+    case Piece::kDuct:
+      return {0.14, 0.08, 0, 2.8};
     case Piece::kWindow:
       return {1.6, 0.2, 0.0, 2.35};
     case Piece::kBookshelf:
@@ -238,7 +248,7 @@ void build(Builder& b, Piece piece, const WallFrame& f, std::uint64_t design, Ra
   const PieceSize size = size_of(piece);
   const double w = size.width_m;
   const double d = size.depth_m;
-  if (d > 0.2 && piece != Piece::kWindow) b.block(f, {0, w}, {0, d});
+  if (d > 0.2 && size.bottom_m < 0.3 && piece != Piece::kWindow) b.block(f, {0, w}, {0, d});
   const Span width{0, w};
   const Span depth{0.01, d};
   switch (piece) {
@@ -263,6 +273,43 @@ void build(Builder& b, Piece piece, const WallFrame& f, std::uint64_t design, Ra
     case Piece::kSwitch:
       hang(b, f, Design::kSwitch, 0, size, 0.012, 0);
       break;
+    case Piece::kSocket:
+      hang(b, f, Design::kSocket, 0, size, 0.015, 0);
+      break;
+    case Piece::kGrille:
+      hang(b, f, Design::kGrille, 0, size, 0.02, 0);
+      break;
+    case Piece::kSheets:
+      for (int i = 0; i < 3; ++i) {
+        if (!random.chance(0.8)) continue;
+        const double s = 0.25 * i + random.uniform(0, 0.04);
+        const double z = size.bottom_m + random.uniform(0, 0.2);
+        b.panel(f, {s, s + 0.21}, 0.006, {z, z + 0.3},
+                b.fitted(Design::kSheet, design * 3 + static_cast<std::uint64_t>(i)));
+      }
+      break;
+    case Piece::kWallShelf: {
+      const BoxSkin wood = all_over(b.tiled(Design::kLaminate, design % 7));
+      b.box(f, width, {0, d}, {size.bottom_m, size.bottom_m + 0.03}, wood, true);
+      double s = 0.03;
+      while (s < w - 0.2) {
+        const double wide = random.uniform(0.08, 0.22);
+        const double high = random.uniform(0.1, 0.32);
+        const Skin side = random.chance(0.4)
+                              ? b.fitted(Design::kCarton, static_cast<std::uint64_t>(random.below(12)))
+                              : b.tiled(Design::kPaint, static_cast<std::uint64_t>(random.below(24)), 0.5);
+        b.box(f, {s, s + wide}, {0.02, 0.2}, {size.bottom_m + 0.03, size.bottom_m + 0.03 + high}, all_over(side));
+        s += wide + random.uniform(0.01, 0.1);
+      }
+      break;
+    }
+    case Piece::kDuct: {
+      const BoxSkin metal = all_over(b.tiled(Design::kMetal, 1));
+      b.box(f, width, {0, d}, {0, size.top_m}, metal);
+      b.panel(f, {0.02, 0.12}, d + 0.004, {1.1, 1.26}, b.fitted(Design::kSwitch, 0));
+      b.panel(f, {0.02, 0.12}, d + 0.004, {0.3, 0.46}, b.fitted(Design::kSwitch, 1));
+      break;
+    }
     case Piece::kClock:
       b.panel(f, width, 0.03, {size.bottom_m, size.top_m}, b.fitted(Design::kClock, design % 6));
       break;

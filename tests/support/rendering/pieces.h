@@ -18,7 +18,12 @@ enum class Piece : std::uint8_t {
   kExtinguisher,
   kHoseBox,
   kSwitch,
-  kWindow,  // with a radiator below it
+  kSocket,
+  kGrille,
+  kSheets,     // a few sheets of paper, taped
+  kWallShelf,  // with things on it
+  kDuct,       // a cable duct from floor to ceiling
+  kWindow,     // with a radiator below it
   // against walls
   kBookshelf,
   kStoreShelf,

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "tests/support/rendering/repeatable.h"
+
 namespace mapweld::rendered {
 
 bool Wall::is_free(const Span& s, const Span& z) const {
@@ -99,10 +101,42 @@ void build_lamps(Builder& b, double pitch_m, int rows) {
     for (int row = 0; row < rows; ++row) {
       const double t = depth * (row + 0.5) / rows;
       b.sheet(frame, {s - 0.6, s + 0.6}, {t - 0.15, t + 0.15}, height - 0.015, panel, false);
-      b.cell().lamps.push_back({frame.at(s, t, height - 0.02), 1.15 / (rows > 1 ? 1.4 : 1.0), false, {0, 0, -1}});
+      b.cell().lamps.push_back({frame.at(s, t, height - 0.02), 1.5 / (rows > 1 ? 1.4 : 1.0), false, {0, 0, -1}});
     }
     if (i % 3 == 1)
       b.sheet(frame, {s + 1.0, s + 1.5}, {depth / 2 - 0.25, depth / 2 + 0.25}, height - 0.01, vent, false);
+  }
+}
+
+void build_ceiling_things(Builder& b, std::uint64_t seed) {
+  const Area& area = b.cell().area;
+  const double height = b.cell().height_m;
+  const WallFrame frame = WallFrame::facing({area.x1, area.y0, 0}, {0, 1, 0});
+  Random random(seed);
+  const int count = static_cast<int>(area.width() * area.height() / 2.0);
+  for (int i = 0; i < count; ++i) {
+    const double s = random.uniform(0.3, area.width() - 0.8);
+    const double t = random.uniform(0.3, area.height() - 0.8);
+    const double drop = random.uniform(0.03, 0.08);
+    switch (random.below(4)) {
+      case 0:  // a smoke detector
+        b.box(frame, {s, s + 0.12}, {t, t + 0.12}, {height - drop, height}, all_over(b.tiled(Design::kMetal, 1)), true);
+        b.sheet(frame, {s + 0.04, s + 0.08}, {t + 0.04, t + 0.08}, height - drop - 0.004, b.tiled(Design::kPaint, 4),
+                false);
+        break;
+      case 1:  // a sprinkler
+        b.box(frame, {s, s + 0.04}, {t, t + 0.04}, {height - drop, height}, all_over(b.tiled(Design::kMetal, 0)), true);
+        b.sheet(frame, {s - 0.04, s + 0.08}, {t - 0.04, t + 0.08}, height - 0.01, b.tiled(Design::kMetal, 2), false);
+        break;
+      case 2:
+        b.sheet(frame, {s, s + 0.45}, {t, t + 0.25}, height - 0.012, b.fitted(Design::kGrille, 0), false);
+        break;
+      default: {  // a loudspeaker, or a hatch
+        const double size = random.uniform(0.2, 0.4);
+        b.sheet(frame, {s, s + size}, {t, t + size}, height - 0.014,
+                b.fitted(Design::kVent, static_cast<std::uint64_t>(random.below(6))), false);
+      }
+    }
   }
 }
 

@@ -48,6 +48,8 @@ void build_floor_and_ceiling(Builder& builder, const ShellDesigns& designs);
 void build_wall(Builder& builder, const Wall& wall, const ShellDesigns& designs);
 // Lamps `pitch_m` apart, in rows along the longer side.
 void build_lamps(Builder& builder, double pitch_m, int rows);
+// Smoke detectors, loudspeakers, sprinklers and vents, about one for every 2 square metres.
+void build_ceiling_things(Builder& builder, std::uint64_t seed);
 // The frame round a door; `leaf`: the closed door as well.
 void build_door(Builder& builder, const WallFrame& frame, double middle_s, double width, double height,
                 const ShellDesigns& designs, bool leaf, std::uint64_t door);
