@@ -1,9 +1,10 @@
 #include "server/commands/check.h"
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
 #include <memory>
+
+#include <CLI/CLI.hpp>
 
 #include "schema/data_folder.h"
 #include "schema/store_check.h"
@@ -16,7 +17,9 @@ constexpr int kUnreadable = 2;
 
 // True when everything is in order.
 bool check(const std::filesystem::path& data, std::size_t max_findings) {
-  DataFolder folder(data, {.access = DataFolderOptions::Access::kInspect});
+  DataFolderOptions inspect;
+  inspect.access = DataFolderOptions::Access::kInspect;
+  DataFolder folder(data, inspect);
   const ReadTransaction db = folder.store().read();
   StoreCheckOptions options;
   options.max_findings = max_findings;

@@ -1,19 +1,19 @@
 #include "server/commands/serve.h"
 
-#include <csignal>
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
-#include <unistd.h>
-
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <condition_variable>
+#include <csignal>
 #include <cstdio>
 #include <iostream>
 #include <memory>
 #include <mutex>
-#include <opencv2/core/utility.hpp>
 #include <thread>
+
+#include <CLI/CLI.hpp>
+#include <opencv2/core/utility.hpp>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include "core/feature/allocation.h"
 #include "server/config.h"
@@ -109,10 +109,10 @@ void add_serve_command(CLI::App& app) {
   const auto max_body_mb = std::make_shared<std::size_t>(config->http.max_body_bytes >> 20);
   const auto vocabulary = std::make_shared<std::string>();
   CLI::App* command = app.add_subcommand("serve", "Serves the maps of a data folder over HTTP");
-  command->add_option("--data", config->data, "Data folder; created when missing")
-      ->envname("MAPWELD_DATA")
-      ->required();
-  command->add_option("--host", config->http.host, "Address to listen on")->envname("MAPWELD_HOST")->capture_default_str();
+  command->add_option("--data", config->data, "Data folder; created when missing")->envname("MAPWELD_DATA")->required();
+  command->add_option("--host", config->http.host, "Address to listen on")
+      ->envname("MAPWELD_HOST")
+      ->capture_default_str();
   command->add_option("--port", config->http.port, "Port to listen on; 0 picks a free one and prints it")
       ->envname("MAPWELD_PORT")
       ->check(CLI::Range(0, 65535))

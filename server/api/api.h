@@ -1,0 +1,40 @@
+// The paths of docs/http-api.md: each handler reads its request, calls a service and writes the answer down.
+#pragma once
+
+#include <functional>
+
+#include "server/http/router.h"
+#include "server/metrics/metrics.h"
+#include "server/services/image_service.h"
+#include "server/services/localize_service.h"
+#include "server/services/map_service.h"
+#include "server/services/merge_service.h"
+#include "server/services/quality_service.h"
+#include "server/services/vocabulary_service.h"
+
+namespace mapweld::server {
+
+// What the handlers call. All of it must outlive the router.
+struct Services {
+  Store& store;
+  Metrics& metrics;
+  VocabularyService& vocabularies;
+  MapService& maps;
+  ImageService& images;
+  LocalizeService& localization;
+  QualityService& quality;
+  MergeService& merges;
+  std::function<bool()> ready;  // the server takes requests and can make maps
+};
+
+// The whole API.
+Router make_router(const Services& services);
+
+// Its parts.
+void add_system_routes(Router& router, const Services& services);
+void add_vocabulary_routes(Router& router, const Services& services);
+void add_map_routes(Router& router, const Services& services);
+void add_image_routes(Router& router, const Services& services);
+void add_merge_routes(Router& router, const Services& services);
+
+}  // namespace mapweld::server

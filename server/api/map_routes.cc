@@ -1,0 +1,107 @@
+#include "client/contract/map.h"
+#include "server/api/api.h"
+#include "server/api/replies.h"
+#include "server/services/graph_export.h"
+#include "server/services/route_service.h"
+
+namespace mapweld::server {
+namespace {
+
+using contract::ContractError;
+
+std::uint32_t vertex_in_query(const Request& request, const std::string& name) {
+  const auto vertex = request.query.integer(name, 0, UINT32_MAX);
+  if (!vertex) throw ContractError("invalid_parameter", "\"" + name + "\" is missing.");
+  return static_cast<std::uint32_t>(*vertex);
+}
+
+std::optional<bool> inter_in_query(const Request& request) {
+  const auto kind = request.query.text("kind");
+  if (!kind) return std::nullopt;
+  if (*kind != "inner" && *kind != "inter") {
+    throw ContractError("invalid_parameter", "\"kind\" must be inner or inter.");
+  }
+  return *kind == "inter";
+}
+
+Reply stream_graph(Store& store, const Request& request) {
+  const std::string word = request.query.text("format").value_or("json");
+  const auto format = parse_graph_format(word);
+  if (!format) throw ContractError("invalid_parameter", "\"format\" must be json, graphml, dot or csv.");
+  Reply reply;
+  reply.content_type = media_type(*format);
+  reply.stream = export_graph(store, request.parameter("map"), *format);
+  return reply;
+}
+
+}  // namespace
+
+void add_map_routes(Router& router, const Services& services) {
+  MapService& maps = services.maps;
+  router.add({.method = "POST",
+              .pattern = "/v1/maps",
+              .body = BodyRule::kRequired,
+              .json_body = true,
+              .handler = [&maps](const Request& request) {
+                const auto map =
+                    maps.create(contract::read_request<contract::CreateMap>(contract::parse_json(request.body)));
+                Reply reply = json_reply(201, map);
+                reply.headers.emplace_back("Location", "/v1/maps/" + map.name);
+                return reply;
+              }});
+  router.add(
+      {.method = "GET", .pattern = "/v1/maps", .query = list_query(), .handler = [&maps](const Request& request) {
+         return json_reply(200, maps.list(page_of(request)));
+       }});
+  router.add({.method = "GET", .pattern = "/v1/maps/{map}", .handler = [&maps](const Request& request) {
+                return json_reply(200, maps.get(request.parameter("map")));
+              }});
+  router.add({.method = "DELETE",
+              .pattern = "/v1/maps/{map}",
+              .body = BodyRule::kOptional,
+              .handler = [&maps](const Request& request) {
+                maps.remove(request.parameter("map"));
+                return no_content();
+              }});
+  router.add({.method = "GET",
+              .pattern = "/v1/maps/{map}/vertices",
+              .query = list_query({"name"}),
+              .handler = [&maps](const Request& request) {
+                return json_reply(
+                    200, maps.vertices(request.parameter("map"), request.query.text("name"), page_of(request)));
+              }});
+  router.add(
+      {.method = "GET", .pattern = "/v1/maps/{map}/vertices/{vertex}", .handler = [&maps](const Request& request) {
+         const auto vertex = number_in_path<std::uint32_t>(request, "vertex", "no_such_vertex");
+         return json_reply(200, maps.vertex(request.parameter("map"), vertex));
+       }});
+  router.add({.method = "GET",
+              .pattern = "/v1/maps/{map}/edges",
+              .query = list_query({"min_inliers", "kind"}),
+              .handler = [&maps](const Request& request) {
+                MapService::EdgeQuery query;
+                query.min_inliers =
+                    static_cast<std::uint32_t>(request.query.integer("min_inliers", 0, 65535).value_or(0));
+                query.inter = inter_in_query(request);
+                return json_reply(200, maps.edges(request.parameter("map"), query, page_of(request)));
+              }});
+  router.add({.method = "GET",
+              .pattern = "/v1/maps/{map}/graph",
+              .query = {"format"},
+              .handler = [&store = services.store](const Request& request) { return stream_graph(store, request); }});
+  router.add({.method = "GET",
+              .pattern = "/v1/maps/{map}/quality",
+              .handler = [&quality = services.quality](const Request& request) {
+                return json_reply(200, quality.quality(request.parameter("map")));
+              }});
+  router.add({.method = "GET",
+              .pattern = "/v1/maps/{map}/route",
+              .query = {"from", "to"},
+              .handler = [&store = services.store](const Request& request) {
+                const std::uint32_t from = vertex_in_query(request, "from");
+                const std::uint32_t to = vertex_in_query(request, "to");
+                return json_reply(200, find_route(store, request.parameter("map"), from, to));
+              }});
+}
+
+}  // namespace mapweld::server

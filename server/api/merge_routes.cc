@@ -1,0 +1,98 @@
+#include "client/contract/merge.h"
+#include "server/api/api.h"
+#include "server/api/replies.h"
+
+namespace mapweld::server {
+namespace {
+
+using contract::ContractError;
+
+std::int64_t merge_in_path(const Request& request) {
+  return number_in_path<std::int64_t>(request, "merge", "no_such_merge");
+}
+
+// A merge that moves is worth asking about again.
+Reply merge_reply(int status, const contract::Merge& merge) {
+  Reply reply = json_reply(status, merge);
+  if (!contract::is_at_rest(merge.state)) reply.headers.emplace_back("Retry-After", "1");
+  return reply;
+}
+
+}  // namespace
+
+void add_merge_routes(Router& router, const Services& services) {
+  MergeService& merges = services.merges;
+  router.add({.method = "POST",
+              .pattern = "/v1/merges",
+              .body = BodyRule::kRequired,
+              .json_body = true,
+              .handler = [&merges](const Request& request) {
+                const auto merge =
+                    merges.submit(contract::read_request<contract::SubmitMerge>(contract::parse_json(request.body)));
+                Reply reply = merge_reply(202, merge);
+                reply.headers.emplace_back("Location", merge.links.self);
+                return reply;
+              }});
+  router.add({.method = "GET",
+              .pattern = "/v1/merges",
+              .query = list_query({"state"}),
+              .handler = [&merges](const Request& request) {
+                return json_reply(200, merges.list(request.query.text("state"), page_of(request)));
+              }});
+  router.add({.method = "GET", .pattern = "/v1/merges/{merge}", .handler = [&merges](const Request& request) {
+                return merge_reply(200, merges.get(merge_in_path(request)));
+              }});
+  router.add({.method = "DELETE",
+              .pattern = "/v1/merges/{merge}",
+              .body = BodyRule::kOptional,
+              .handler = [&merges](const Request& request) {
+                merges.remove(merge_in_path(request));
+                return no_content();
+              }});
+  router.add({.method = "GET",
+              .pattern = "/v1/merges/{merge}/curve",
+              .query = list_query(),
+              .handler = [&merges](const Request& request) {
+                return json_reply(200, merges.curve(merge_in_path(request), page_of(request)));
+              }});
+  router.add({.method = "GET",
+              .pattern = "/v1/merges/{merge}/edges",
+              .query = list_query(),
+              .handler = [&merges](const Request& request) {
+                return json_reply(200, merges.edges(merge_in_path(request), page_of(request)));
+              }});
+  router.add({.method = "POST",
+              .pattern = "/v1/merges/{merge}/pause",
+              .body = BodyRule::kOptional,
+              .json_body = true,
+              .handler = [&merges](const Request& request) {
+                return merge_reply(202, merges.pause(merge_in_path(request)));
+              }});
+  router.add({.method = "POST",
+              .pattern = "/v1/merges/{merge}/resume",
+              .body = BodyRule::kOptional,
+              .json_body = true,
+              .handler = [&merges](const Request& request) {
+                contract::ResumeMerge resume;
+                if (!request.body.empty()) {
+                  resume = contract::read_request<contract::ResumeMerge>(contract::parse_json(request.body));
+                }
+                return merge_reply(202, merges.resume(merge_in_path(request), resume));
+              }});
+  router.add({.method = "POST",
+              .pattern = "/v1/merges/{merge}/cancel",
+              .body = BodyRule::kOptional,
+              .json_body = true,
+              .handler = [&merges](const Request& request) {
+                return merge_reply(202, merges.cancel(merge_in_path(request)));
+              }});
+  for (const char* pattern : {"/v1/merges/{merge}/pairs/{u}/{v}", "/v1/merges/{merge}/events"}) {
+    router.add({.method = "GET", .pattern = pattern, .handler = [&merges](const Request& request) -> Reply {
+                  merges.get(merge_in_path(request));
+                  throw ContractError("not_implemented",
+                                      "This is not offered yet; poll the merge and its edges instead.");
+                }});
+  }
+}
+
+}  // namespace mapweld::server

@@ -1,0 +1,60 @@
+// What the handlers share: reading paging and numbers, writing JSON.
+#pragma once
+
+#include <charconv>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "client/contract/codec.h"
+#include "client/contract/json.h"
+#include "client/contract/page.h"
+#include "client/contract/problem.h"
+#include "server/http/message.h"
+#include "server/services/map_service.h"
+
+namespace mapweld::server {
+
+template <typename Document>
+Reply json_reply(int status, const Document& document) {
+  Reply reply;
+  reply.status = status;
+  reply.content_type = "application/json";
+  reply.body = contract::dump(contract::Json(document));
+  return reply;
+}
+
+inline Reply no_content() {
+  Reply reply;
+  reply.status = 204;
+  return reply;
+}
+
+// The query parameters that every list knows, with the list's own.
+inline std::vector<std::string> list_query(std::vector<std::string> own = {}) {
+  own.insert(own.end(), {"limit", "cursor"});
+  return own;
+}
+
+inline PageRequest page_of(const Request& request) {
+  PageRequest page;
+  page.limit = static_cast<std::size_t>(
+      request.query.integer("limit", 1, contract::kMaxPageItems).value_or(contract::kDefaultPageItems));
+  page.cursor = request.query.text("cursor");
+  return page;
+}
+
+// A number in the path. What is no number names nothing: `missing` is answered.
+template <typename Number>
+Number number_in_path(const Request& request, const std::string& name, contract::Code missing) {
+  const std::string& text = request.parameter(name);
+  Number number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size() || number < 0) {
+    throw contract::ContractError(missing, "\"" + text + "\" is not the number of one.");
+  }
+  return number;
+}
+
+}  // namespace mapweld::server

@@ -1,0 +1,53 @@
+#include "client/contract/vocabulary.h"
+#include "server/api/api.h"
+#include "server/api/openapi.h"
+#include "server/api/replies.h"
+#include "server/version.h"
+
+namespace mapweld::server {
+
+using contract::ContractError;
+
+void add_system_routes(Router& router, const Services& services) {
+  router.add({.method = "GET", .pattern = "/healthz", .handler = [](const Request&) {
+                return json_reply(200, contract::Health{.status = "ok"});
+              }});
+  router.add({.method = "GET", .pattern = "/readyz", .handler = [ready = services.ready](const Request&) {
+                if (!ready()) throw ContractError("not_ready", "The server has no vocabulary, or is shutting down.");
+                return json_reply(200, contract::Health{.status = "ok"});
+              }});
+  router.add({.method = "GET", .pattern = "/version", .handler = [](const Request&) {
+                return json_reply(200, contract::Version{.version = std::string(version())});
+              }});
+  router.add({.method = "GET", .pattern = "/metrics", .handler = [&metrics = services.metrics](const Request&) {
+                Reply reply;
+                reply.content_type = "text/plain; version=0.0.4; charset=utf-8";
+                reply.body = metrics.prometheus_text();
+                return reply;
+              }});
+  router.add({.method = "GET", .pattern = "/v1/openapi.json", .handler = [](const Request&) {
+                Reply reply;
+                reply.content_type = "application/json";
+                reply.body = openapi_document();
+                return reply;
+              }});
+  for (const auto& [method, pattern] :
+       {std::pair{"POST", "/v1/backups"}, std::pair{"GET", "/v1/backups/{backup}/content"}}) {
+    router.add(
+        {.method = method, .pattern = pattern, .body = BodyRule::kOptional, .handler = [](const Request&) -> Reply {
+           throw ContractError("not_implemented", "Backups are not offered yet.");
+         }});
+  }
+}
+
+Router make_router(const Services& services) {
+  Router router;
+  add_system_routes(router, services);
+  add_vocabulary_routes(router, services);
+  add_map_routes(router, services);
+  add_image_routes(router, services);
+  add_merge_routes(router, services);
+  return router;
+}
+
+}  // namespace mapweld::server

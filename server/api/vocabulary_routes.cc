@@ -1,0 +1,35 @@
+#include "server/api/api.h"
+#include "server/api/replies.h"
+
+namespace mapweld::server {
+
+using contract::ContractError;
+
+void add_vocabulary_routes(Router& router, const Services& services) {
+  VocabularyService& vocabularies = services.vocabularies;
+  router.add({.method = "GET",
+              .pattern = "/v1/vocabularies",
+              .query = list_query(),
+              .handler = [&vocabularies](const Request& request) {
+                const PageRequest page = page_of(request);
+                return json_reply(200, vocabularies.list(page.limit, page.cursor));
+              }});
+  router.add(
+      {.method = "GET", .pattern = "/v1/vocabularies/{vocabulary}", .handler = [&vocabularies](const Request& request) {
+         return json_reply(200, vocabularies.get(request.parameter("vocabulary")));
+       }});
+  router.add({.method = "POST",
+              .pattern = "/v1/vocabularies",
+              .body = BodyRule::kRequired,
+              .query = {"name"},
+              .handler = [&vocabularies](const Request& request) {
+                const auto name = request.query.text("name");
+                if (!name) throw ContractError("invalid_name", "Name the vocabulary with ?name=.");
+                if (request.body.empty()) throw ContractError("empty_body", "The vocabulary file has no bytes.");
+                Reply reply = json_reply(201, vocabularies.add(*name, request.body_bytes()));
+                reply.headers.emplace_back("Location", "/v1/vocabularies/" + *name);
+                return reply;
+              }});
+}
+
+}  // namespace mapweld::server

@@ -1,0 +1,27 @@
+// What `mapweld-server serve` can be told (docs/operations.md, "Options").
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "server/http/http_server.h"
+
+namespace mapweld::server {
+
+struct ServerConfig {
+  std::filesystem::path data;
+  HttpOptions http;
+  int extract_threads = 0;                          // 0: one a core
+  int merge_workers = 1;                            // merges that run at the same time
+  std::size_t cache_mb = 1024;                      // maps kept in memory
+  std::optional<std::filesystem::path> vocabulary;  // default vocabulary; none: the shipped one
+  std::string log_level = "info";                   // trace, debug, info, warning, error, off
+};
+
+// The shipped vocabulary: beside the installed program (../share/mapweld/vocabularies), or in the source tree that it
+// was built from. nullopt when there is neither.
+std::optional<std::filesystem::path> find_shipped_vocabulary();
+
+}  // namespace mapweld::server

@@ -1,0 +1,67 @@
+// A request and a reply as handlers see them: no socket, no library type, so that every handler can be called from a
+// test.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace mapweld::server {
+
+// The query of a request, with typed readers. Each reader throws ContractError invalid_parameter, naming the parameter,
+// when the value does not fit or the parameter is given twice.
+class Query {
+ public:
+  Query() = default;
+  explicit Query(std::multimap<std::string, std::string> values) : values_(std::move(values)) {}
+
+  std::optional<std::string> text(const std::string& name) const;
+  // A whole decimal number in [min, max].
+  std::optional<std::int64_t> integer(const std::string& name, std::int64_t min, std::int64_t max) const;
+  std::optional<bool> boolean(const std::string& name) const;  // true, false, 1, 0
+
+  // Throws ContractError unknown_field for a parameter that is not among `known`.
+  void refuse_unknown(std::span<const std::string> known) const;
+
+ private:
+  std::multimap<std::string, std::string> values_;
+};
+
+struct Request {
+  std::string method;
+  std::string path;                               // as sent, percent-encoded
+  std::map<std::string, std::string> parameters;  // of the path pattern, decoded
+  Query query;
+  std::string content_type;  // as sent, with its parameters; empty when absent
+  std::string body;
+  std::string request_id;
+
+  // A parameter of the path pattern. Throws std::out_of_range when the route has none of that name.
+  const std::string& parameter(const std::string& name) const { return parameters.at(name); }
+  std::span<const std::uint8_t> body_bytes() const {
+    return {reinterpret_cast<const std::uint8_t*>(body.data()), body.size()};
+  }
+};
+
+// Takes the next piece of a streamed body. False: the client has gone, stop.
+using ChunkWriter = std::function<bool(std::string_view)>;
+
+struct Reply {
+  int status = 200;
+  std::string content_type;
+  std::string body;
+  std::vector<std::pair<std::string, std::string>> headers;
+  // When set, the body is streamed instead (chunked): called once, after the handler has returned. An exception in it
+  // breaks the connection off, so that the client cannot take a part for the whole.
+  std::function<void(const ChunkWriter&)> stream;
+};
+
+using Handler = std::function<Reply(const Request&)>;
+
+}  // namespace mapweld::server

@@ -1,0 +1,18 @@
+// mapweld-server: serve, train, check.
+#include <CLI/CLI.hpp>
+
+#include "server/commands/check.h"
+#include "server/commands/serve.h"
+#include "server/commands/train.h"
+#include "server/version.h"
+
+int main(int argc, char** argv) {
+  CLI::App app("A map database server for appearance-based maps", "mapweld-server");
+  app.set_version_flag("--version", std::string(mapweld::server::version()));
+  app.require_subcommand(1);
+  mapweld::server::add_serve_command(app);
+  mapweld::add_train_command(app);
+  mapweld::server::add_check_command(app);
+  CLI11_PARSE(app, argc, argv);
+  return 0;
+}

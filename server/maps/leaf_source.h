@@ -1,0 +1,25 @@
+// What is read of a plain map to vote, verify and measure hops in it, wherever it is kept.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/types.h"
+
+namespace mapweld::server {
+
+// Vertices never change once a map has them, so whoever reads only those below a number that he knows to be there sees
+// one consistent state, whatever is added meanwhile.
+class LeafSource {
+ public:
+  virtual ~LeafSource() = default;
+
+  // Appends the postings of `word` of the vertices [first, end), ascending.
+  virtual void postings(WordId word, VertexId first, VertexId end, std::vector<Posting>& out) const = 0;
+  // Throws std::out_of_range when the map has no such vertex (any more), StoreError when it cannot be read.
+  virtual std::shared_ptr<const AppearanceVector> appearances(VertexId vertex) const = 0;
+  // Appends the vertices that share an edge with `vertex`.
+  virtual void neighbours(VertexId vertex, std::vector<VertexId>& out) const = 0;
+};
+
+}  // namespace mapweld::server

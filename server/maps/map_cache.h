@@ -1,0 +1,54 @@
+// The maps in use, kept in memory within a bound.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+
+#include "schema/map_store.h"
+#include "schema/store.h"
+#include "server/maps/loaded_map.h"
+
+namespace mapweld::server {
+
+// Thread-safe.
+class MapCache {
+ public:
+  // `store` must outlive this.
+  MapCache(Store& store, std::size_t capacity_bytes) : store_(store), capacity_bytes_(capacity_bytes) {}
+
+  // The map in memory, read now if it was not there; null when its index alone is beyond the capacity (a StoredMap
+  // serves then). Maps not used for longest make room, those in use stay whatever they take. Whoever asks while the map
+  // is being read waits for it. Throws std::out_of_range when the map is gone.
+  std::shared_ptr<LoadedMap> open(const MapRow& map, int max_features);
+
+  // Held while a plain map is written to. Also serves maps that are not in memory.
+  std::unique_lock<std::mutex> writer_turn(MapId map);
+
+  // A map was deleted. Who still has it open keeps it until done.
+  void forget(MapId map);
+
+  struct Statistics {
+    std::size_t maps = 0;
+    std::size_t bytes = 0;
+  };
+  Statistics statistics() const;
+
+ private:
+  struct Entry {
+    std::mutex loading;              // guards `map`
+    std::shared_ptr<LoadedMap> map;  // null: not read yet
+    std::uint64_t last_use = 0;      // guarded by MapCache::mutex_
+  };
+  void make_room();
+
+  Store& store_;
+  const std::size_t capacity_bytes_;
+  mutable std::mutex mutex_;
+  std::map<MapId, std::shared_ptr<Entry>> entries_;
+  std::map<MapId, std::unique_ptr<std::mutex>> turns_;  // of deleted maps too: somebody may hold one
+  std::uint64_t uses_ = 0;
+};
+
+}  // namespace mapweld::server

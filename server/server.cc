@@ -1,0 +1,147 @@
+#include "server/server.h"
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+
+#include <spdlog/spdlog.h>
+
+#include "core/geometry/epipolar_verifier.h"
+#include "schema/data_folder.h"
+#include "server/api/api.h"
+#include "server/jobs/merge_jobs.h"
+#include "server/maps/map_cache.h"
+#include "server/maps/map_opener.h"
+#include "server/metrics/metrics.h"
+#include "server/segment_writer.h"
+#include "server/services/worker_pool.h"
+
+namespace mapweld::server {
+namespace {
+
+MergeJobOptions job_options(const ServerConfig& config) {
+  MergeJobOptions options;
+  options.verifier = make_verifier;
+  options.workers = config.merge_workers;
+  options.log = [](const std::string& line) { spdlog::warn("{}", line); };
+  return options;
+}
+
+int cores() { return static_cast<int>(std::max(1u, std::thread::hardware_concurrency())); }
+
+}  // namespace
+
+class Server::Impl {
+ public:
+  explicit Impl(const ServerConfig& config)
+      : folder_(config.data),
+        store_(folder_.store()),
+        cache_(store_, config.cache_mb * 1024 * 1024),
+        opener_(store_, cache_),
+        workers_(config.extract_threads > 0 ? config.extract_threads : cores()),
+        vocabularies_(store_),
+        jobs_(store_, job_options(config)),
+        merges_(store_, jobs_, opener_),
+        maps_(store_, opener_, vocabularies_, [this](std::int64_t merge) { merges_.remove(merge); }),
+        images_(store_, cache_, vocabularies_, workers_, metrics_),
+        localization_(store_, opener_, vocabularies_, workers_, metrics_),
+        quality_(store_),
+        http_(config.http, routes(), metrics_),
+        segments_(store_) {
+    choose_vocabulary(config);
+    add_gauges();
+    port_ = http_.bind();
+    jobs_.start();
+  }
+
+  int port() const { return port_; }
+
+  void run() {
+    http_.serve();
+    if (jobs_stopper_.joinable()) jobs_stopper_.join();
+    segments_.stop();
+  }
+
+  void stop() {
+    if (stopping_.exchange(true)) return;
+    images_.stop();
+    http_.drain();
+    jobs_stopper_ = std::thread([this] { jobs_.shutdown(); });
+  }
+
+  ~Impl() {
+    if (jobs_stopper_.joinable()) jobs_stopper_.join();
+  }
+
+ private:
+  Router routes() {
+    return make_router({.store = store_,
+                        .metrics = metrics_,
+                        .vocabularies = vocabularies_,
+                        .maps = maps_,
+                        .images = images_,
+                        .localization = localization_,
+                        .quality = quality_,
+                        .merges = merges_,
+                        .ready = [this] { return !stopping_ && has_vocabulary(); }});
+  }
+
+  bool has_vocabulary() const {
+    try {
+      vocabularies_.resolve(store_.read(), std::nullopt);
+      return true;
+    } catch (const contract::ContractError&) {
+      return false;
+    }
+  }
+
+  void choose_vocabulary(const ServerConfig& config) {
+    if (config.vocabulary) {
+      vocabularies_.set_default(*config.vocabulary);
+    } else if (!vocabularies_.set_default_from_store()) {
+      if (const auto shipped = find_shipped_vocabulary()) {
+        vocabularies_.set_default(*shipped);
+      } else {
+        spdlog::warn("there is no vocabulary yet: train one and upload it, or give --vocabulary");
+      }
+    }
+  }
+
+  void add_gauges() {
+    metrics_.add_gauge("maps_in_memory", "Plain maps kept in memory.",
+                       [this] { return static_cast<double>(cache_.statistics().maps); });
+    metrics_.add_gauge("maps_in_memory_bytes", "What they occupy, about.",
+                       [this] { return static_cast<double>(cache_.statistics().bytes); });
+    metrics_.add_gauge("store_commits", "Transactions committed since the start.",
+                       [this] { return static_cast<double>(store_.statistics().commits); });
+    metrics_.add_gauge("store_wal_pages", "Pages in the write-ahead log after the last commit.",
+                       [this] { return static_cast<double>(store_.statistics().wal_pages); });
+  }
+
+  Metrics metrics_;
+  DataFolder folder_;
+  Store& store_;
+  MapCache cache_;
+  MapOpener opener_;
+  WorkerPool workers_;
+  VocabularyService vocabularies_;
+  MergeJobs jobs_;
+  MergeService merges_;
+  MapService maps_;
+  ImageService images_;
+  LocalizeService localization_;
+  QualityService quality_;
+  HttpServer http_;
+  SegmentWriter segments_;
+  int port_ = 0;
+  std::atomic<bool> stopping_{false};
+  std::thread jobs_stopper_;
+};
+
+Server::Server(const ServerConfig& config) : impl_(std::make_unique<Impl>(config)) {}
+Server::~Server() = default;
+int Server::port() const { return impl_->port(); }
+void Server::run() { impl_->run(); }
+void Server::stop() { impl_->stop(); }
+
+}  // namespace mapweld::server

@@ -1,0 +1,239 @@
+#include "server/services/graph_export.h"
+
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <vector>
+
+#include "client/contract/json.h"
+#include "schema/edge_store.h"
+#include "schema/map_layout.h"
+#include "schema/vertex_store.h"
+#include "server/services/describe.h"
+#include "server/services/map_lookup.h"
+
+namespace mapweld::server {
+namespace {
+
+constexpr std::size_t kRowsAtOnce = 1000;
+
+using contract::Json;
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.6g", value);
+  return text;
+}
+
+std::string escape_xml(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+std::string escape_dot(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out;
+}
+
+// Writes one format: `begin`, a call a vertex, a call an edge, `end`.
+class Format {
+ public:
+  virtual ~Format() = default;
+  virtual std::string begin(const std::string& map) = 0;
+  virtual std::string vertex(const contract::Vertex& vertex, bool first) = 0;
+  virtual std::string between() { return ""; }  // vertices and edges
+  virtual std::string edge(const contract::Edge& edge, bool first) = 0;
+  virtual std::string end() = 0;
+  virtual bool wants_vertices() const { return true; }
+};
+
+class JsonFormat final : public Format {
+  std::string begin(const std::string&) override { return "{\"vertices\":["; }
+  std::string vertex(const contract::Vertex& vertex, bool first) override {
+    return (first ? "" : ",\n") + contract::dump(Json(vertex));
+  }
+  std::string between() override { return "],\n\"edges\":["; }
+  std::string edge(const contract::Edge& edge, bool first) override {
+    return (first ? "" : ",\n") + contract::dump(Json(edge));
+  }
+  std::string end() override { return "]}\n"; }
+};
+
+class GraphmlFormat final : public Format {
+  std::string begin(const std::string& map) override {
+    return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+           "<graphml xmlns=\"http://graphml.graphdrawing.org/xmlns\">\n"
+           "<key id=\"name\" for=\"node\" attr.name=\"name\" attr.type=\"string\"/>\n"
+           "<key id=\"map\" for=\"node\" attr.name=\"map\" attr.type=\"string\"/>\n"
+           "<key id=\"features\" for=\"node\" attr.name=\"features\" attr.type=\"int\"/>\n"
+           "<key id=\"kind\" for=\"edge\" attr.name=\"kind\" attr.type=\"string\"/>\n"
+           "<key id=\"votes\" for=\"edge\" attr.name=\"votes\" attr.type=\"int\"/>\n"
+           "<key id=\"weight\" for=\"edge\" attr.name=\"weight\" attr.type=\"int\"/>\n"
+           "<key id=\"log10_false_alarms\" for=\"edge\" attr.name=\"log10_false_alarms\" attr.type=\"double\"/>\n"
+           "<key id=\"confirmed\" for=\"edge\" attr.name=\"confirmed\" attr.type=\"boolean\"/>\n"
+           "<graph id=\"" +
+           escape_xml(map) + "\" edgedefault=\"undirected\">\n";
+  }
+  std::string vertex(const contract::Vertex& vertex, bool) override {
+    return "<node id=\"v" + std::to_string(vertex.vertex) + "\"><data key=\"name\">" + escape_xml(vertex.name) +
+           "</data><data key=\"map\">" + escape_xml(vertex.map) + "</data><data key=\"features\">" +
+           std::to_string(vertex.features) + "</data></node>\n";
+  }
+  std::string edge(const contract::Edge& edge, bool) override {
+    return "<edge source=\"v" + std::to_string(edge.u) + "\" target=\"v" + std::to_string(edge.v) +
+           "\"><data key=\"kind\">" + edge.kind + "</data><data key=\"votes\">" + std::to_string(edge.votes) +
+           "</data><data key=\"weight\">" + std::to_string(edge.inliers) + "</data><data key=\"log10_false_alarms\">" +
+           number(edge.log10_false_alarms) + "</data><data key=\"confirmed\">" + (edge.confirmed ? "true" : "false") +
+           "</data></edge>\n";
+  }
+  std::string end() override { return "</graph>\n</graphml>\n"; }
+};
+
+class DotFormat final : public Format {
+  std::string begin(const std::string& map) override { return "graph \"" + escape_dot(map) + "\" {\n"; }
+  std::string vertex(const contract::Vertex& vertex, bool) override {
+    return "  " + std::to_string(vertex.vertex) + " [label=\"" + escape_dot(vertex.name) + "\", map=\"" +
+           escape_dot(vertex.map) + "\"];\n";
+  }
+  std::string edge(const contract::Edge& edge, bool) override {
+    return "  " + std::to_string(edge.u) + " -- " + std::to_string(edge.v) +
+           " [weight=" + std::to_string(edge.inliers) + (edge.kind == "inter" ? ", color=red" : "") +
+           (edge.confirmed ? "" : ", style=dashed") + "];\n";
+  }
+  std::string end() override { return "}\n"; }
+};
+
+class CsvFormat final : public Format {
+  std::string begin(const std::string&) override {
+    return "u,v,kind,votes,inliers,log10_false_alarms,confirmed,merge\r\n";
+  }
+  std::string vertex(const contract::Vertex&, bool) override { return ""; }
+  std::string edge(const contract::Edge& edge, bool) override {
+    return std::to_string(edge.u) + "," + std::to_string(edge.v) + "," + edge.kind + "," + std::to_string(edge.votes) +
+           "," + std::to_string(edge.inliers) + "," + number(edge.log10_false_alarms) + "," +
+           (edge.confirmed ? "true" : "false") + "," + (edge.merge ? std::to_string(*edge.merge) : "") + "\r\n";
+  }
+  std::string end() override { return ""; }
+  bool wants_vertices() const override { return false; }
+};
+
+std::unique_ptr<Format> make_format(GraphFormat format) {
+  switch (format) {
+    case GraphFormat::kJson:
+      return std::make_unique<JsonFormat>();
+    case GraphFormat::kGraphml:
+      return std::make_unique<GraphmlFormat>();
+    case GraphFormat::kDot:
+      return std::make_unique<DotFormat>();
+    case GraphFormat::kCsv:
+      break;
+  }
+  return std::make_unique<CsvFormat>();
+}
+
+std::vector<std::int64_t> degrees(const Reader& db, const MapLayout& layout) {
+  std::vector<std::int64_t> degrees(layout.vertices());
+  for (const Edge& edge : load_edges(db, layout, {.confirmed = true})) {
+    ++degrees[to_index(edge.u)];
+    ++degrees[to_index(edge.v)];
+  }
+  return degrees;
+}
+
+// All that an export reads, of one moment.
+struct Source {
+  ReadTransaction db;
+  MapRow map;
+  MapLayout layout;
+
+  Source(Store& store, const std::string& name)
+      : db(store.read()), map(require_map(db, name)), layout(load_layout(db, map.id)) {}
+};
+
+bool write_vertices(const Source& source, Format& format, const TextWriter& write) {
+  const std::vector<std::int64_t> degree = degrees(source.db, source.layout);
+  MapNames names(source.db);
+  std::optional<VertexId> last;
+  while (true) {
+    const std::vector<VertexRow> rows = list_vertices(source.db, source.layout, kRowsAtOnce, last);
+    for (const VertexRow& row : rows) {
+      const auto vertex = describe_vertex(row, names(row.image.map), degree.at(to_index(row.vertex)));
+      if (!write(format.vertex(vertex, !last && &row == rows.data()))) return false;
+    }
+    if (rows.size() < kRowsAtOnce) return true;
+    last = rows.back().vertex;
+  }
+}
+
+bool write_edges(const Source& source, Format& format, const TextWriter& write) {
+  EdgeCursor cursor;
+  bool first = true;
+  while (true) {
+    const EdgePage page = list_edges(source.db, source.layout, {}, kRowsAtOnce, cursor);
+    for (const EdgeRow& row : page.edges) {
+      if (!write(format.edge(describe_edge(row), first))) return false;
+      first = false;
+    }
+    if (!page.next) return true;
+    cursor = *page.next;
+  }
+}
+
+}  // namespace
+
+std::optional<GraphFormat> parse_graph_format(std::string_view word) {
+  if (word == "json") return GraphFormat::kJson;
+  if (word == "graphml") return GraphFormat::kGraphml;
+  if (word == "dot") return GraphFormat::kDot;
+  if (word == "csv") return GraphFormat::kCsv;
+  return std::nullopt;
+}
+
+std::string_view media_type(GraphFormat format) {
+  switch (format) {
+    case GraphFormat::kJson:
+      return "application/json";
+    case GraphFormat::kGraphml:
+      return "application/graphml+xml";
+    case GraphFormat::kDot:
+      return "text/vnd.graphviz";
+    case GraphFormat::kCsv:
+      break;
+  }
+  return "text/csv";
+}
+
+std::function<void(const TextWriter& write)> export_graph(Store& store, const std::string& map, GraphFormat format) {
+  const auto source = std::make_shared<Source>(store, map);
+  return [source, format](const TextWriter& write) {
+    const std::unique_ptr<Format> text = make_format(format);
+    if (!write(text->begin(source->map.name))) return;
+    if (text->wants_vertices() && !write_vertices(*source, *text, write)) return;
+    if (!write(text->between()) || !write_edges(*source, *text, write)) return;
+    write(text->end());
+  };
+}
+
+}  // namespace mapweld::server

@@ -1,0 +1,28 @@
+// From the bytes of an uploaded image to its appearance vector: decode, SIFT, quantise.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "core/types.h"
+#include "core/vocabulary/vocabulary.h"
+#include "server/metrics/metrics.h"
+
+namespace mapweld::server {
+
+struct AnalyzedImage {
+  std::string media_type;  // "image/jpeg" or "image/png"
+  int width_px = 0;        // as it is seen: EXIF orientation applied
+  int height_px = 0;
+  int features = 0;
+  std::shared_ptr<const AppearanceVector> vector;
+  double took_s = 0;
+};
+
+// Pure but for the stopwatch; any thread. Throws ImageError for bytes that are no usable image.
+AnalyzedImage analyze(std::span<const std::uint8_t> bytes, const Vocabulary& vocabulary, int max_features,
+                      Metrics& metrics);
+
+}  // namespace mapweld::server

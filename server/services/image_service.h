@@ -1,0 +1,82 @@
+// Mapping as a use case: uploaded images become vertices and edges of a map, or are ignored (paper, section III-B).
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "client/contract/image.h"
+#include "schema/store.h"
+#include "schema/vertex_store.h"
+#include "server/maps/map_cache.h"
+#include "server/metrics/metrics.h"
+#include "server/services/vocabulary_service.h"
+#include "server/services/worker_pool.h"
+
+namespace mapweld::server {
+
+struct ImageUpload {
+  std::string name;                     // empty: the vertex number
+  std::span<const std::uint8_t> bytes;  // must live until the upload returns
+  Provenance provenance;
+};
+
+struct UploadOutcome {
+  contract::Upload upload;
+  bool created = false;  // a vertex was inserted now; false for an ignored image and a repeated upload
+};
+
+// What became of one image of a batch.
+using BatchOutcome = std::variant<UploadOutcome, std::exception_ptr>;
+
+struct ImageServiceOptions {
+  int max_group = 16;  // images of a batch that are stored in one transaction
+};
+
+// Thread-safe. Uploads into one map take turns; different maps do not wait for each other, and analysing images waits
+// for nobody.
+class ImageService {
+ public:
+  // Everything given must outlive this.
+  ImageService(Store& store, MapCache& cache, VocabularyService& vocabularies, WorkerPool& workers, Metrics& metrics,
+               const ImageServiceOptions& options = {})
+      : store_(store),
+        cache_(cache),
+        vocabularies_(vocabularies),
+        workers_(workers),
+        metrics_(metrics),
+        options_(options) {}
+
+  // Returns when the outcome is durable. The same name with the same bytes gets the first outcome again.
+  // Throws ContractError no_such_map, map_is_merged, wrong_map (`map_uuid` is another map's), invalid_name, name_taken,
+  // empty_body, shutting_down; ImageError; StoreError. Then nothing is stored.
+  UploadOutcome upload(const std::string& map, const ImageUpload& image, const std::optional<std::string>& map_uuid);
+
+  // Takes images in their order: the map becomes the one that single uploads in this order make. Each has its own
+  // outcome or problem. When storing fails, the images after it are not tried: they get the same problem.
+  // Throws what concerns the batch as a whole (the map), before anything is stored.
+  std::vector<BatchOutcome> upload_batch(const std::string& map, const std::vector<ImageUpload>& images,
+                                         const std::optional<std::string>& map_uuid);
+
+  // From now on images that are not yet being stored are refused with shutting_down.
+  void stop() { stopping_ = true; }
+
+ private:
+  class Session;
+
+  Store& store_;
+  MapCache& cache_;
+  VocabularyService& vocabularies_;
+  WorkerPool& workers_;
+  Metrics& metrics_;
+  const ImageServiceOptions options_;
+  std::atomic<bool> stopping_{false};
+};
+
+}  // namespace mapweld::server

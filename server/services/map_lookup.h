@@ -1,0 +1,37 @@
+// Looking up what requests name, with the contract's answer when it is not there.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "client/contract/problem.h"
+#include "schema/map_store.h"
+#include "schema/store.h"
+
+namespace mapweld::server {
+
+// Throws ContractError no_such_map.
+inline MapRow require_map(const Reader& db, std::string_view name) {
+  if (const std::optional<MapRow> map = find_map(db, name)) return *map;
+  throw contract::ContractError("no_such_map", "There is no map named \"" + std::string(name) + "\".");
+}
+
+// Names of maps by id, each read once.
+class MapNames {
+ public:
+  explicit MapNames(const Reader& db) : db_(db) {}
+  const std::string& operator()(MapId id) {
+    const auto found = names_.find(id);
+    if (found != names_.end()) return found->second;
+    const std::optional<MapRow> map = find_map(db_, id);
+    return names_.emplace(id, map ? map->name : "").first->second;
+  }
+
+ private:
+  const Reader& db_;
+  std::map<MapId, std::string> names_;
+};
+
+}  // namespace mapweld::server

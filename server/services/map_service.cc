@@ -1,0 +1,200 @@
+#include "server/services/map_service.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "client/contract/problem.h"
+#include "schema/edge_store.h"
+#include "schema/merge_store.h"
+#include "schema/vertex_store.h"
+#include "server/maps/map_settings.h"
+#include "server/services/describe.h"
+#include "server/services/hashing.h"
+#include "server/services/map_lookup.h"
+#include "server/services/paging.h"
+#include "server/services/times.h"
+
+namespace mapweld::server {
+namespace {
+
+using contract::ContractError;
+
+std::int64_t degree_of(const Reader& db, const MapLayout& layout, VertexId vertex) {
+  const std::vector<EdgeRow> edges = list_edges_at(db, layout, vertex);
+  return std::ranges::count_if(edges, &EdgeRow::confirmed);
+}
+
+VertexRow require_vertex(const Reader& db, const MapRow& map, const MapLayout& layout, std::uint32_t vertex) {
+  if (vertex < layout.vertices()) {
+    const LeafVertex leaf = layout.leaf(VertexId{vertex});
+    if (std::optional<ImageRow> image = find_vertex(db, leaf.map, leaf.vertex)) {
+      return {VertexId{vertex}, std::move(*image)};
+    }
+  }
+  throw ContractError("no_such_vertex", "The map \"" + map.name + "\" has no vertex " + std::to_string(vertex) + ".");
+}
+
+EdgeCursor parse_edge_cursor(const std::optional<std::string>& cursor) {
+  if (!cursor) return {};
+  const std::size_t dash = cursor->find('-');
+  if (dash == std::string::npos) {
+    throw ContractError("invalid_parameter", "\"cursor\" is not one that a page gave.");
+  }
+  return {static_cast<std::uint32_t>(parse_cursor(std::string_view(*cursor).substr(0, dash))),
+          parse_cursor(std::string_view(*cursor).substr(dash + 1))};
+}
+
+}  // namespace
+
+contract::Map MapService::create(const contract::CreateMap& request) {
+  contract::check(request);
+  NewMap map;
+  map.name = request.name;
+  map.uuid = request.uuid.value_or(make_uuid());
+  std::ranges::transform(map.uuid, map.uuid.begin(), [](unsigned char c) { return std::tolower(c); });
+  const MapSettings settings = settings_of(request.parameters.value_or(contract::MapParameters{}));
+  if (settings.parameters.min_inliers > settings.parameters.max_inliers) {
+    throw ContractError("invalid_parameter", "\"parameters.min_inliers\" must not exceed \"parameters.max_inliers\".");
+  }
+  map.parameters = to_row(settings);
+  if (request.labels) map.labels = labels_to_row(*request.labels);
+  map.created_at = now();
+
+  WriteTransaction db = store_.write();
+  map.vocabulary = vocabularies_.resolve(db, request.vocabulary).id;
+  if (find_map(db, map.name)) throw ContractError("name_taken", "There is a map named \"" + map.name + "\" already.");
+  if (const auto other = find_map_by_uuid(db, map.uuid)) {
+    throw ContractError("name_taken", "The map \"" + other->name + "\" has this uuid already.");
+  }
+  const MapId id = insert_map(db, map);
+  contract::Map created = describe(db, find_map(db, id).value());
+  db.commit();
+  return created;
+}
+
+contract::Map MapService::get(const std::string& name) const {
+  const ReadTransaction db = store_.read();
+  return describe(db, require_map(db, name));
+}
+
+contract::Page<contract::Map> MapService::list(const PageRequest& page) const {
+  const ReadTransaction db = store_.read();
+  return make_page<contract::Page<contract::Map>>(
+      list_maps(db, page.limit + 1, after<MapId>(page.cursor)), page.limit,
+      [&](const MapRow& map) { return describe(db, map); }, [](const MapRow& map) { return to_index(map.id); });
+}
+
+void MapService::remove(const std::string& name) {
+  MapRow map;
+  std::optional<MergeRow> merge;
+  {
+    const ReadTransaction db = store_.read();
+    map = require_map(db, name);
+    if (map.kind == MapKind::kMerged) merge = find_merge_of(db, map.id);
+  }
+  if (merge) {
+    remove_merge_(to_index(merge->id));
+  } else {
+    WriteTransaction db = store_.write();
+    switch (delete_map(db, map.id)) {
+      case DeleteOutcome::kDeleted:
+        break;
+      case DeleteOutcome::kNotFound:
+        throw ContractError("no_such_map", "There is no map named \"" + name + "\".");
+      case DeleteOutcome::kInUse: {
+        const std::vector<MapRow> users = list_merged_over(db, map.id);
+        throw ContractError("map_in_use", "The merged map \"" + (users.empty() ? "" : users.front().name) +
+                                              "\" is made of it; delete that first.");
+      }
+    }
+    db.commit();
+  }
+  opener_.forget(map.id);
+}
+
+contract::Map MapService::describe(const Reader& db, const MapRow& map) const {
+  contract::Map out;
+  out.name = map.name;
+  out.kind = to_string(map.kind);
+  const std::optional<VocabularyRow> vocabulary = find_vocabulary(db, map.vocabulary);
+  out.vocabulary = vocabulary ? vocabulary->name : "";
+  out.vertices = map.vertices;
+  out.edges = static_cast<std::int64_t>(map.edges);
+  out.ignored = static_cast<std::int64_t>(map.ignored);
+  out.uuid = map.uuid;
+  out.parameters = mapweld::server::describe(settings_of(map));
+  out.labels = labels_of(map);
+  if (map.kind == MapKind::kMerged) {
+    out.edges = static_cast<std::int64_t>(count_edges(db, load_layout(db, map.id), {.confirmed = true}));
+    for (const MemberRow& member : list_members(db, map.id)) out.members.push_back({member.name, member.watermark});
+    if (const std::optional<MergeRow> merge = find_merge_of(db, map.id)) out.merge = to_index(merge->id);
+  }
+  out.created_at = to_rfc3339(map.created_at);
+  out.revision = static_cast<std::int64_t>(map.revision);
+  return out;
+}
+
+contract::Page<contract::Vertex> MapService::vertices(const std::string& map_name,
+                                                      const std::optional<std::string>& name,
+                                                      const PageRequest& page) const {
+  const ReadTransaction db = store_.read();
+  const MapRow map = require_map(db, map_name);
+  const MapLayout layout = load_layout(db, map.id);
+  const std::optional<VertexId> from = after<VertexId>(page.cursor);
+  std::vector<VertexRow> rows;
+  if (name) {
+    rows = find_vertices(db, layout, *name);
+    if (from) std::erase_if(rows, [&](const VertexRow& row) { return row.vertex <= *from; });
+  } else {
+    rows = list_vertices(db, layout, page.limit + 1, from);
+  }
+  MapNames names(db);
+  return make_page<contract::Page<contract::Vertex>>(
+      rows, page.limit,
+      [&](const VertexRow& row) {
+        return describe_vertex(row, names(row.image.map), degree_of(db, layout, row.vertex));
+      },
+      [](const VertexRow& row) { return to_index(row.vertex); });
+}
+
+contract::Vertex MapService::vertex(const std::string& map_name, std::uint32_t vertex) const {
+  const ReadTransaction db = store_.read();
+  const MapRow map = require_map(db, map_name);
+  const MapLayout layout = load_layout(db, map.id);
+  const VertexRow row = require_vertex(db, map, layout, vertex);
+  return describe_vertex(row, MapNames(db)(row.image.map), degree_of(db, layout, row.vertex));
+}
+
+StoredImage MapService::image(const std::string& map_name, std::uint32_t vertex) const {
+  const ReadTransaction db = store_.read();
+  const MapRow map = require_map(db, map_name);
+  const VertexRow row = require_vertex(db, map, load_layout(db, map.id), vertex);
+  const auto bytes = load_image_bytes(db, row.image.id);
+  if (!bytes) {
+    throw ContractError("no_such_image", "The bytes of this image are not kept (store_images is \"none\").");
+  }
+  return {row.image.media_type, std::string(bytes->begin(), bytes->end()), to_hex(row.image.sha256)};
+}
+
+contract::Page<contract::IgnoredImage> MapService::ignored(const std::string& map_name, const PageRequest& page) const {
+  const ReadTransaction db = store_.read();
+  const MapRow map = require_map(db, map_name);
+  return make_page<contract::Page<contract::IgnoredImage>>(
+      list_ignored(db, map.id, page.limit + 1, after<ImageId>(page.cursor)), page.limit, describe_ignored,
+      [](const ImageRow& row) { return to_index(row.id); });
+}
+
+contract::Page<contract::Edge> MapService::edges(const std::string& map_name, const EdgeQuery& query,
+                                                 const PageRequest& page) const {
+  const ReadTransaction db = store_.read();
+  const MapRow map = require_map(db, map_name);
+  const EdgePage found =
+      list_edges(db, load_layout(db, map.id), {.min_inliers = query.min_inliers, .inter = query.inter}, page.limit,
+                 parse_edge_cursor(page.cursor));
+  contract::Page<contract::Edge> out;
+  for (const EdgeRow& edge : found.edges) out.items.push_back(describe_edge(edge));
+  if (found.next) out.next_cursor = std::to_string(found.next->node) + "-" + std::to_string(found.next->edge);
+  return out;
+}
+
+}  // namespace mapweld::server

@@ -1,0 +1,187 @@
+#include "server/services/merge_service.h"
+
+#include <utility>
+
+#include "client/contract/problem.h"
+#include "schema/map_store.h"
+#include "schema/merge_store.h"
+#include "server/services/times.h"
+
+namespace mapweld::server {
+namespace {
+
+using contract::ContractError;
+
+// A limit beyond what a job counts in is no limit that could ever be reached.
+std::optional<std::uint64_t> limit_of(const std::optional<std::int64_t>& limit) {
+  if (!limit) return std::nullopt;
+  return static_cast<std::uint64_t>(*limit);
+}
+
+std::optional<std::int64_t> describe(const std::optional<std::uint64_t>& limit) {
+  if (!limit) return std::nullopt;
+  return static_cast<std::int64_t>(*limit);
+}
+
+MergeBudget budget_of(const contract::Budget& budget) {
+  return {.seconds = budget.seconds,
+          .verifications = limit_of(budget.verifications),
+          .edges = limit_of(budget.edges),
+          .fraction_of_maximum = budget.fraction_of_maximum,
+          .certified = budget.certified.value_or(false)};
+}
+
+contract::Budget describe(const MergeBudget& budget) {
+  contract::Budget out;
+  out.seconds = budget.seconds;
+  out.verifications = describe(budget.verifications);
+  out.edges = describe(budget.edges);
+  out.fraction_of_maximum = budget.fraction_of_maximum;
+  if (budget.certified) out.certified = true;
+  return out;
+}
+
+contract::LargestComponent describe(const LargestComponent& component) {
+  return {.vertices = static_cast<std::int64_t>(component.vertices),
+          .algebraic_connectivity = component.algebraic_connectivity};
+}
+
+contract::MergeParameters describe(const MergeParameters& parameters) {
+  contract::MergeParameters out;
+  out.min_votes = static_cast<int>(parameters.min_votes);
+  out.min_inliers = parameters.min_inliers;
+  out.max_false_alarms = parameters.max_false_alarms;
+  out.votes = parameters.votes == VoteRule::kProduct ? "product" : "min";
+  out.alias_guard = parameters.alias_guard;
+  return out;
+}
+
+contract::Merge describe(const MergeStatus& status) {
+  contract::Merge merge;
+  merge.id = status.id;
+  merge.state = to_string(status.state);
+  merge.method = status.method;
+  merge.maps = status.maps;
+  merge.map = status.map;
+  merge.seed = static_cast<std::int64_t>(status.seed);
+  merge.parameters = describe(status.parameters);
+  merge.phase = status.phase;
+  merge.step = static_cast<std::int64_t>(status.step);
+  merge.words = {static_cast<std::int64_t>(status.words.done), static_cast<std::int64_t>(status.words.total)};
+  merge.candidates = {static_cast<std::int64_t>(status.candidates.known),
+                      static_cast<std::int64_t>(status.candidates.verified),
+                      static_cast<std::int64_t>(status.candidates.accepted)};
+  merge.edges = static_cast<std::int64_t>(status.edges);
+  merge.components = static_cast<std::int64_t>(status.components);
+  merge.algebraic_connectivity = status.algebraic_connectivity;
+  merge.largest_component = describe(status.largest_component);
+  for (const JoinedMember& member : status.joined) {
+    merge.joined.push_back({member.map, static_cast<std::int64_t>(member.vertices)});
+  }
+  merge.independent_joins = static_cast<std::int64_t>(status.independent_joins);
+  merge.certified_fraction = status.certified_fraction;
+  merge.estimated_fraction = status.estimated_fraction;
+  merge.joinable_vertices = describe(status.joinable_vertices);
+  merge.elapsed_s = status.elapsed_s;
+  merge.budget = describe(status.budget);
+  merge.remaining = describe(status.remaining);
+  merge.eta_s = status.eta_s;
+  if (status.checkpoint) {
+    merge.checkpoint = {static_cast<std::int64_t>(status.checkpoint->step), status.checkpoint->age_s};
+  }
+  merge.stop_reason = status.stop_reason;
+  merge.error = status.error;
+  merge.created_at = to_rfc3339(status.created_at);
+  merge.links = {.self = "/v1/merges/" + std::to_string(status.id), .map = "/v1/maps/" + status.map};
+  return merge;
+}
+
+contract::CurvePoint describe(const MergeCurvePoint& point) {
+  return {.step = static_cast<std::int64_t>(point.step),
+          .elapsed_s = point.elapsed_s,
+          .verifications = static_cast<std::int64_t>(point.verifications),
+          .edges = static_cast<std::int64_t>(point.edges),
+          .components = static_cast<std::int64_t>(point.components),
+          .algebraic_connectivity = point.algebraic_connectivity,
+          .largest_component = describe(point.largest_component),
+          .certified_fraction = point.certified_fraction,
+          .phase = point.phase};
+}
+
+contract::MergeEdge describe(const MergeEdgePoint& edge) {
+  return {.u = to_index(edge.u),
+          .v = to_index(edge.v),
+          .votes = edge.votes,
+          .inliers = static_cast<int>(edge.inliers),
+          .verifications = static_cast<std::int64_t>(edge.verifications),
+          .elapsed_s = edge.elapsed_s};
+}
+
+template <typename Document, typename Item>
+contract::Page<Document> describe(const Page<Item>& page) {
+  contract::Page<Document> out;
+  for (const Item& item : page.items) out.items.push_back(describe(item));
+  out.next_cursor = page.next;
+  return out;
+}
+
+}  // namespace
+
+contract::Merge MergeService::submit(const contract::SubmitMerge& request) {
+  contract::check(request);
+  MergeRequest merge;
+  merge.maps = request.maps;
+  merge.name = request.name.value_or(contract::default_merge_name(request.maps));
+  if (request.method) merge.method = *request.method;
+  merge.seed = static_cast<std::uint64_t>(request.seed.value_or(0));
+  if (request.parameters) {
+    const contract::MergeParameters& from = *request.parameters;
+    MergeParameters& to = merge.parameters;
+    if (from.min_votes) to.min_votes = static_cast<std::uint32_t>(*from.min_votes);
+    if (from.min_inliers) to.min_inliers = *from.min_inliers;
+    if (from.max_false_alarms) to.max_false_alarms = *from.max_false_alarms;
+    if (from.votes) to.votes = *from.votes == "product" ? VoteRule::kProduct : VoteRule::kMin;
+    if (from.alias_guard) to.alias_guard = *from.alias_guard;
+  }
+  if (request.budget) merge.budget = budget_of(*request.budget);
+  return describe(jobs_.submit(merge));
+}
+
+contract::Merge MergeService::get(std::int64_t id) const { return describe(jobs_.get(id)); }
+
+contract::Page<contract::Merge> MergeService::list(const std::optional<std::string>& state,
+                                                   const PageRequest& page) const {
+  std::optional<JobState> wanted;
+  if (state) {
+    wanted = parse_job_state(*state);
+    if (!wanted) throw ContractError("invalid_parameter", "There is no state \"" + *state + "\".");
+  }
+  return describe<contract::Merge>(jobs_.list(wanted, page.limit, page.cursor));
+}
+
+contract::Page<contract::CurvePoint> MergeService::curve(std::int64_t id, const PageRequest& page) const {
+  return describe<contract::CurvePoint>(jobs_.curve(id, page.limit, page.cursor));
+}
+
+contract::Page<contract::MergeEdge> MergeService::edges(std::int64_t id, const PageRequest& page) const {
+  return describe<contract::MergeEdge>(jobs_.edges(id, page.limit, page.cursor));
+}
+
+contract::Merge MergeService::pause(std::int64_t id) { return describe(jobs_.pause(id)); }
+
+contract::Merge MergeService::resume(std::int64_t id, const contract::ResumeMerge& request) {
+  contract::check(request);
+  std::optional<MergeBudget> budget;
+  if (request.budget) budget = budget_of(*request.budget);
+  return describe(jobs_.resume(id, budget));
+}
+
+contract::Merge MergeService::cancel(std::int64_t id) { return describe(jobs_.cancel(id)); }
+
+void MergeService::remove(std::int64_t id) {
+  std::optional<MergeRow> merge = find_merge(store_.read(), JobId{id});
+  jobs_.remove(id);
+  if (merge) opener_.forget(merge->map);
+}
+
+}  // namespace mapweld::server

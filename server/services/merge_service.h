@@ -1,0 +1,39 @@
+// Merges as documents of the contract: a thin layer over the merge jobs.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "client/contract/merge.h"
+#include "client/contract/page.h"
+#include "server/jobs/merge_jobs.h"
+#include "server/maps/map_opener.h"
+#include "server/services/map_service.h"
+
+namespace mapweld::server {
+
+// Thread-safe. Throws ContractError and MergeJobError for requests that cannot be met, StoreError.
+class MergeService {
+ public:
+  // `store`, `jobs` and `opener` must outlive this.
+  MergeService(Store& store, MergeJobs& jobs, MapOpener& opener) : store_(store), jobs_(jobs), opener_(opener) {}
+
+  contract::Merge submit(const contract::SubmitMerge& request);
+  contract::Merge get(std::int64_t id) const;
+  contract::Page<contract::Merge> list(const std::optional<std::string>& state, const PageRequest& page) const;
+  contract::Page<contract::CurvePoint> curve(std::int64_t id, const PageRequest& page) const;
+  contract::Page<contract::MergeEdge> edges(std::int64_t id, const PageRequest& page) const;
+
+  contract::Merge pause(std::int64_t id);
+  contract::Merge resume(std::int64_t id, const contract::ResumeMerge& request);
+  contract::Merge cancel(std::int64_t id);
+  void remove(std::int64_t id);
+
+ private:
+  Store& store_;
+  MergeJobs& jobs_;
+  MapOpener& opener_;
+};
+
+}  // namespace mapweld::server
