@@ -149,7 +149,7 @@ TEST(SameMap, WhateverTheNumberOfThreads) {
 
   std::string expected;
   for (const int threads : {1, 2, 8}) {
-    ServerProcess server(folder.path() / ("data-" + std::to_string(threads)), {"--threads", std::to_string(threads)});
+    ServerProcess server(folder.path() / ("data-" + std::to_string(threads)), {"--extract-threads", std::to_string(threads)});
     client::Client client(server.url());
     upload_folder(client, "a", photos, threads);
     const auto got = description(client, "a");

@@ -38,7 +38,9 @@ Outcome outcome_of(client::Client& client, std::int64_t merge, const std::filesy
   for (const auto& edge : *client.merge_edges(merge)) {
     outcome.edges.emplace_back(edge.u, edge.v, edge.votes, edge.inliers, edge.verifications);
   }
-  DataFolder data(folder, {.access = DataFolderOptions::Access::kInspect});
+  DataFolderOptions inspect;
+  inspect.access = DataFolderOptions::Access::kInspect;
+  DataFolder data(folder, inspect);
   auto read = data.store().read();
   for (auto& part : load_checkpoint(read, static_cast<JobId>(merge))) {
     outcome.checkpoint.emplace_back(part.name, std::move(part.bytes));

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <cstdio>
 #include <cstdlib>
 #include <map>
 #include <mutex>
@@ -27,9 +26,8 @@ Images encode(const rendered::RenderedWorld& world, const std::vector<rendered::
       at.noise_seed = conditions.noise_seed + i;
       std::vector<std::uint8_t> bytes;
       cv::imencode(".jpg", world.render(poses[i], at).bgr, bytes, {cv::IMWRITE_JPEG_QUALITY, 95});
-      char name[16];
-      std::snprintf(name, sizeof name, "%06zu.jpg", i);
-      images[i] = {name, std::string(bytes.begin(), bytes.end())};
+      const std::string number = std::to_string(i);
+      images[i] = {std::string(6 - number.size(), '0') + number + ".jpg", std::string(bytes.begin(), bytes.end())};
     }
   };
   std::thread other(render_share, 1);
@@ -46,11 +44,19 @@ const RobotPair& rendered_pair(int n_images_a, int n_images_b, std::uint64_t see
   const std::lock_guard lock(mutex);
   auto [place, is_new] = made.try_emplace({n_images_a, n_images_b, seed});
   if (is_new) {
-    const rendered::RenderedWorld world({.corridors = 1, .corridor_length_m = 18, .seed = seed});
+    rendered::WorldOptions building;
+    building.corridors = 1;
+    building.seed = seed;
+    const rendered::RenderedWorld world(building);
     const auto drives = rendered::two_robots(world, n_images_a, n_images_b, seed);
-    place->second.a = encode(world, rendered::trajectory(world, drives.a), {.noise_seed = 1'000'000});
-    place->second.b = encode(world, rendered::trajectory(world, drives.b),
-                             {.lamps = 0.7, .daylight = 0.6, .gain = 1.1, .warmth = 0.3, .noise_seed = 2'000'000});
+    rendered::CameraConditions conditions;
+    conditions.noise_seed = 1'000'000;
+    place->second.a = encode(world, rendered::trajectory(world, drives.a), conditions);
+    conditions = {};
+    conditions.noise_seed = 2'000'000;
+    conditions.gain = 1.1;
+    conditions.warmth = 0.3;
+    place->second.b = encode(world, rendered::trajectory(world, drives.b), conditions);
   }
   return place->second;
 }
