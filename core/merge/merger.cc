@@ -106,8 +106,6 @@ bool PairMerger::verify(const Candidate& candidate) {
   const VertexId u = std::min(candidate.source, candidate.target), v = std::max(candidate.source, candidate.target);
   Verification verdict =
       input_.verifier->verify(*input_.appearances->appearances(u), *input_.appearances->appearances(v));
-  const std::uint32_t votes_in_all =
-      votes_of_pair(votes(), row(candidate.source), column(candidate.target), input_.options.votes);
   ++state_.verifications;
   if (!verdict.accepted) {
     const auto short_count = [](int count) { return static_cast<std::uint16_t>(std::clamp(count, 0, 65535)); };
@@ -116,6 +114,8 @@ bool PairMerger::verify(const Candidate& candidate) {
     return false;
   }
   graph_.add_edge(u, v, static_cast<std::uint32_t>(verdict.inliers));
+  const std::uint32_t votes_in_all =
+      votes_of_pair(votes(), row(candidate.source), column(candidate.target), input_.options.votes);
   state_.edges.push_back({u, v, votes_in_all, std::move(verdict), state_.verifications});
   return true;
 }

@@ -34,7 +34,7 @@ class MergeJobError : public std::runtime_error {
 
 // What a run may spend; absent: unlimited. Whichever is reached first stops it.
 struct MergeBudget {
-  std::optional<double> seconds;               // > 0; counts steps, checkpoints and metrics
+  std::optional<double> seconds;               // > 0; of elapsed_s: steps, checkpoints and metrics, the last ones too
   std::optional<std::uint64_t> verifications;  // > 0; to the very number
   std::optional<std::uint64_t> edges;          // > 0
   std::optional<double> fraction_of_maximum;   // in (0, 1]; not offered yet: invalid_budget

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -91,18 +92,26 @@ class Run {
     }
     if (budget.edges) conditions.push_back(stop_at_edges(row_.granted_at.edges + *budget.edges));
     if (budget.seconds) {
-      const double limit_s = row_.granted_at.elapsed_s + *budget.seconds;
-      conditions.push_back(stop_when([this, limit_s] { return elapsed_s() >= limit_s; }, StopReason::kSeconds));
+      limit_s_ = row_.granted_at.elapsed_s + *budget.seconds;
+      // The last metrics and the last checkpoint are part of the budget: leave them the time that they took before,
+      // but not so much that nothing else gets done.
+      const double most_s = std::max(0.0, limit_s_ - row_.spent.elapsed_s) / 2;
+      conditions.push_back(
+          stop_when([this, most_s] { return elapsed_s() + std::min(finish_cost_s(), most_s) >= limit_s_; },
+                    StopReason::kSeconds));
     }
     return stop_at_first(std::move(conditions));
   }
+
+  double finish_cost_s() const { return metrics_cost_s_ + checkpoint_cost_s_; }
 
   void after_step() {
     const double now_s = elapsed_s();
     const MergeState& state = merger_->state();
     while (edge_times_s_.size() < state.edges.size() - edges_stored_) edge_times_s_.push_back(now_s);
     const bool phase_changed = state.phase != measured_phase_;
-    if (phase_changed || metrics_pacer_.due(now_s)) {
+    const bool leaves_time = now_s + metrics_cost_s_ + finish_cost_s() < limit_s_;
+    if (leaves_time && (phase_changed || metrics_pacer_.due(now_s))) {
       refresh_metrics();
       if (phase_changed || now_s >= last_curve_s_ * kCurveSpacing) keep_curve_point();
       publish();
@@ -119,6 +128,7 @@ class Run {
     if (!measured_edges_ || *measured_edges_ != state.edges.size()) {
       progress_.metrics = merge_metrics(merger_->graph(), merger_->input().members, state.edges);
       measured_edges_ = state.edges.size();
+      metrics_cost_s_ = elapsed_s() - began_s;
     }
     measured_phase_ = state.phase;
     metrics_pacer_.set_interval(std::clamp(
@@ -195,6 +205,7 @@ class Run {
     progress_.checkpoint_step = state.step;
     progress_.checkpoint_at = Clock::now();
     publish();
+    checkpoint_cost_s_ = elapsed_s() - began_s;
     checkpoints_.done(began_s, elapsed_s());
   }
 
@@ -235,6 +246,9 @@ class Run {
   MergeProgress progress_;
   std::optional<std::size_t> measured_edges_;
   MergePhase measured_phase_ = MergePhase::kVoting;
+  double metrics_cost_s_ = 0;     // of the last time that anything had to be measured
+  double checkpoint_cost_s_ = 0;  // of the last checkpoint
+  double limit_s_ = std::numeric_limits<double>::infinity();
   double last_curve_s_ = 0;
   double published_s_ = 0;
 };

@@ -1,0 +1,186 @@
+// What merging costs apart from the verifier: votes, steps, checkpoints. docs/merging.md holds the figures.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+#include <utility>
+
+#include <benchmark/benchmark.h>
+
+#include "core/merge/merge_metrics.h"
+#include "core/merge/quick_connect.h"
+#include "core/merge/run.h"
+#include "core/merge/vote_source.h"
+#include "schema/blobs/merge_state_blob.h"
+#include "tests/core/merge/toy_maps.h"
+
+namespace mapweld {
+namespace {
+
+// Two robots walk round the same loop. A place has landmarks, each with one of 50,000 words, frequent words more often
+// (Zipf); an image sees those near it, misses some, and adds noise: 300 words an image.
+MergeInput simulated_maps(std::uint32_t first, std::uint32_t second) {
+  constexpr std::uint32_t kWords = 50000, kSeen = 300;
+  std::mt19937 random(1);
+  const auto unit = [&random] { return static_cast<double>(random()) / 4294967296.0; };
+  const auto zipf = [&] { return static_cast<std::uint32_t>(std::pow(kWords, unit()) - 1); };
+  const auto any_word = [&] { return unit() < 0.1 ? zipf() : static_cast<std::uint32_t>(unit() * kWords); };
+  const std::uint32_t places = first / 3;
+  std::vector<std::vector<std::uint32_t>> landmarks(places);
+  for (auto& words : landmarks) {
+    for (int k = 0; k < 60; ++k) words.push_back(any_word());
+  }
+  MergeInput input;
+  input.members = number_members({first, second});
+  std::vector<std::shared_ptr<const AppearanceVector>> vectors;
+  for (const std::uint32_t size : {first, second}) {
+    for (std::uint32_t i = 0; i < size; ++i) {
+      const double at = static_cast<double>(i) / size * places;
+      AppearanceVector image;
+      image.width_px = static_cast<int>(vectors.size()) + 1;
+      image.height_px = 240;
+      while (image.appearances.size() < kSeen) {
+        const auto place = static_cast<std::uint32_t>(at + unit() * 3) % places;
+        const std::uint32_t word = unit() < 0.55 ? any_word() : landmarks[place][random() % 60];
+        image.appearances.push_back({WordId{word}, static_cast<float>(random() % 320), 0, 4, 0});
+      }
+      std::sort(image.appearances.begin(), image.appearances.end());
+      vectors.push_back(std::make_shared<const AppearanceVector>(std::move(image)));
+    }
+  }
+  for (const MergeMember& member : input.members) {
+    for (std::size_t i = 1; i < member.vertices.size(); ++i) {
+      for (std::size_t back = 1; back <= std::min<std::size_t>(i, 4); ++back) {
+        input.inner_edges.push_back({member.vertices[i - back], member.vertices[i], 60});
+      }
+    }
+  }
+  input.appearances = std::make_shared<AppearanceTable>(std::move(vectors));
+  input.verifier = std::make_shared<test::HashVerifier>(0.3);
+  input.options = {"quickconnect", 12, VoteRule::kMin, 1};
+  return input;
+}
+
+const MergeInput& maps_of(const benchmark::State& state) {
+  static std::map<std::pair<std::int64_t, std::int64_t>, MergeInput> known;
+  const auto key = std::pair(state.range(0), state.range(1));
+  auto found = known.find(key);
+  if (found == known.end()) {
+    MergeInput input = simulated_maps(static_cast<std::uint32_t>(key.first), static_cast<std::uint32_t>(key.second));
+    input.votes = std::make_shared<WordVotes>(*input.appearances, input.members[0], input.members[1]);
+    found = known.emplace(key, std::move(input)).first;
+  }
+  return found->second;
+}
+
+void Index(benchmark::State& state) {
+  const MergeInput& input = maps_of(state);
+  for (auto _ : state) WordVotes(*input.appearances, input.members[0], input.members[1]);
+}
+
+// All of S, word by word, as QuickConnect fills it.
+void SimilarityByWords(benchmark::State& state) {
+  const MergeInput& input = maps_of(state);
+  std::size_t candidates = 0;
+  for (auto _ : state) {
+    SimilarityMatrix matrix = SimilarityMatrix::dense(input.votes->rows(), input.votes->columns());
+    std::vector<SimilarityMatrix::Cell> reached;
+    for (std::uint32_t w = 0; w < input.votes->words().size(); ++w) {
+      matrix.add(input.votes->row_postings(w), input.votes->column_postings(w), VoteRule::kMin, 12, reached);
+    }
+    candidates = reached.size();
+  }
+  state.counters["candidates"] = static_cast<double>(candidates);
+}
+
+void SimilarityByRows(benchmark::State& state) {
+  const MergeInput& input = maps_of(state);
+  std::uint64_t candidates = 0;
+  for (auto _ : state) candidates = count_candidates(*input.votes, VoteRule::kMin, 12);
+  state.counters["candidates"] = static_cast<double>(candidates);
+}
+
+// The whole merge with a verifier that takes no time.
+void Steps(benchmark::State& state, const char* method) {
+  MergeInput input = maps_of(state);
+  input.options.method = method;
+  std::uint64_t steps = 0, verifications = 0;
+  for (auto _ : state) {
+    const auto merger = make_merger(input);
+    run(*merger, {});
+    steps = merger->state().step;
+    verifications = merger->state().verifications;
+  }
+  state.counters["steps"] = static_cast<double>(steps);
+  state.counters["verifications"] = static_cast<double>(verifications);
+}
+void QuickConnectSteps(benchmark::State& state) { Steps(state, "quickconnect"); }
+void BruteForceSteps(benchmark::State& state) { Steps(state, "brute-force"); }
+
+std::unique_ptr<Merger> half_explored(const MergeInput& input) {
+  auto merger = make_merger(input);
+  run(*merger, stop_when_merger(
+                   [](const Merger& m) {
+                     return m.state().search.words_processed * 2 >= m.words_total() &&
+                            m.state().phase != MergePhase::kVoting;
+                   },
+                   StopReason::kPaused));
+  return merger;
+}
+
+// Encoding a checkpoint in the middle of exploration, when S is written, ...
+void CheckpointInExploration(benchmark::State& state) {
+  const auto merger = half_explored(maps_of(state));
+  std::size_t bytes = 0;
+  for (auto _ : state) {
+    bytes = 0;
+    for (const auto& part : blobs::encode_merge_state(merger->state(), std::nullopt)) bytes += part.bytes.size();
+  }
+  state.counters["bytes"] = static_cast<double>(bytes);
+}
+
+// ... in refinement, when it is not, ...
+void CheckpointInRefinement(benchmark::State& state) {
+  const auto merger = make_merger(maps_of(state));
+  run(*merger, {});
+  const blobs::MergeStateMark mark{MergePhase::kRefinement, merger->state().rejected.size() - 100};
+  std::size_t bytes = 0;
+  for (auto _ : state) {
+    bytes = 0;
+    for (const auto& part : blobs::encode_merge_state(merger->state(), mark)) bytes += part.bytes.size();
+  }
+  state.counters["bytes"] = static_cast<double>(bytes);
+}
+
+// ... and going on from it.
+void Resume(benchmark::State& state) {
+  const MergeInput& input = maps_of(state);
+  const auto merger = half_explored(input);
+  const auto parts = blobs::encode_merge_state(merger->state(), std::nullopt);
+  for (auto _ : state) make_merger(input, blobs::decode_merge_state(parts, merger->state().edges));
+}
+
+void Metrics(benchmark::State& state) {
+  const auto merger = make_merger(maps_of(state));
+  run(*merger, {});
+  MergeMetrics metrics;
+  for (auto _ : state) metrics = merge_metrics(merger->graph(), merger->input().members, merger->state().edges);
+  state.counters["lambda2"] = metrics.largest_algebraic_connectivity;
+  state.counters["edges"] = static_cast<double>(merger->state().edges.size());
+}
+
+void sizes(benchmark::internal::Benchmark* benchmark) {
+  benchmark->Args({1356, 610})->Args({3000, 2000})->Args({6000, 6000})->Unit(benchmark::kMillisecond);
+}
+BENCHMARK(Index)->Apply(sizes);
+BENCHMARK(SimilarityByWords)->Apply(sizes);
+BENCHMARK(SimilarityByRows)->Apply(sizes);
+BENCHMARK(QuickConnectSteps)->Apply(sizes);
+BENCHMARK(BruteForceSteps)->Apply(sizes);
+BENCHMARK(CheckpointInExploration)->Apply(sizes);
+BENCHMARK(CheckpointInRefinement)->Apply(sizes);
+BENCHMARK(Resume)->Apply(sizes);
+BENCHMARK(Metrics)->Apply(sizes);
+
+}  // namespace
+}  // namespace mapweld
