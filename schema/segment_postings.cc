@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "schema/blobs/appearance_blob.h"
 #include "schema/blobs/posting_blob.h"
@@ -16,37 +17,51 @@ constexpr std::size_t kBlockBytes = 3'800;
 
 std::optional<SegmentPostings> invert_appearances(const Reader& db, MapId map, VocabularyId vocabulary, VertexId first,
                                                   std::uint32_t count) {
-  // Word and vertex as one number: sorted, equal ones are the appearances of one posting.
-  std::vector<std::uint64_t> keys;
-  std::vector<WordId> words;
+  // Every image's words ascend, and images come in order: counting how often each word is posted tells where its list
+  // begins, and a second pass over the images fills the lists.
+  std::vector<WordId> words;          // of all images, one after another
+  std::vector<std::size_t> ends;      // of each image, in `words`
+  std::vector<std::uint32_t> posted;  // by word: images that have it
+  std::vector<WordId> image_words;
   sqlite::Statement row = db.prepare(
       "SELECT vertex, bytes FROM appearances WHERE map = ? AND vertex >= ? AND vertex < ? AND vocabulary = ? "
       "ORDER BY vertex");
   const std::uint64_t begin = to_index(first);
   row.bind_all(map, begin, begin + count, vocabulary);
-  std::uint64_t next = begin;
-  for (; row.step(); ++next) {
+  for (std::uint64_t next = begin; row.step(); ++next) {
     if (static_cast<std::uint64_t>(row.integer(0)) != next) return std::nullopt;
-    blobs::decode_words(row.blob(1), words);
-    for (const WordId word : words) keys.push_back(std::uint64_t{to_index(word)} << 32 | next);
+    blobs::decode_words(row.blob(1), image_words);
+    if (!image_words.empty() && to_index(image_words.back()) >= posted.size()) {
+      posted.resize(std::size_t{to_index(image_words.back())} + 1);
+    }
+    for (std::size_t i = 0; i < image_words.size(); ++i) {
+      if (i == 0 || image_words[i] != image_words[i - 1]) ++posted[to_index(image_words[i])];
+    }
+    words.insert(words.end(), image_words.begin(), image_words.end());
+    ends.push_back(words.size());
   }
-  if (next != begin + count) return std::nullopt;
-  std::ranges::sort(keys);
+  if (ends.size() != count) return std::nullopt;
 
   SegmentPostings segment{first, count, {}, {}, {}};
-  for (std::size_t i = 0; i < keys.size();) {
-    const std::uint64_t key = keys[i];
-    const WordId word{static_cast<std::uint32_t>(key >> 32)};
-    std::size_t same = 0;
-    for (; i < keys.size() && keys[i] == key; ++i) ++same;
-    if (segment.words.empty() || segment.words.back() != word) {
-      segment.words.push_back(word);
-      segment.offsets.push_back(static_cast<std::uint32_t>(segment.postings.size()));
-    }
-    segment.postings.push_back({VertexId{static_cast<std::uint32_t>(key)},
-                                static_cast<std::uint16_t>(std::min<std::size_t>(same, UINT16_MAX))});
+  std::uint32_t postings = 0;
+  for (std::size_t word = 0; word < posted.size(); ++word) {
+    if (posted[word] == 0) continue;
+    segment.words.push_back(WordId{static_cast<std::uint32_t>(word)});
+    segment.offsets.push_back(postings);
+    postings += std::exchange(posted[word], postings);  // from here on: where its next posting goes
   }
-  segment.offsets.push_back(static_cast<std::uint32_t>(segment.postings.size()));
+  segment.offsets.push_back(postings);
+  segment.postings.resize(postings);
+  std::size_t i = 0;
+  for (std::uint32_t image = 0; image < count; ++image) {
+    while (i < ends[image]) {
+      const WordId word = words[i];
+      std::size_t same = 0;
+      for (; i < ends[image] && words[i] == word; ++i) ++same;
+      segment.postings[posted[to_index(word)]++] = {
+          VertexId{to_index(first) + image}, static_cast<std::uint16_t>(std::min<std::size_t>(same, UINT16_MAX))};
+    }
+  }
   return segment;
 }
 
