@@ -4,12 +4,11 @@
 //
 // Renders a robot's drive (320x240), keeps the JPEG files in memory, and uploads them one by one, on one core, through
 // the server's own use case into a store on disk. Medians are of the hundred uploads that follow each size.
-#include <opencv2/core/utility.hpp>
-#include <opencv2/imgcodecs.hpp>
-
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
 
@@ -27,10 +26,17 @@ namespace {
 using Bytes = std::vector<std::uint8_t>;
 
 std::vector<Bytes> render_drive(int images) {
-  const rendered::RenderedWorld world({.corridors = 3, .corridor_length_m = 30, .seed = 11});
+  rendered::WorldOptions building;
+  building.corridors = 3;
+  building.corridor_length_m = 30;
+  building.seed = 11;
+  const rendered::RenderedWorld world(building);
+  rendered::TrajectoryOptions drive;
+  drive.n_images = images;
+  drive.seed = 11;
   std::vector<Bytes> files;
   rendered::CameraConditions conditions;
-  for (const auto& pose : rendered::trajectory(world, {.n_images = images, .seed = 11})) {
+  for (const auto& pose : rendered::trajectory(world, drive)) {
     conditions.noise_seed = files.size();
     cv::imencode(".jpg", world.render(pose, conditions).bgr, files.emplace_back(), {cv::IMWRITE_JPEG_QUALITY, 95});
   }
@@ -45,17 +51,19 @@ struct Row {
 
 int run(int small, int large) {
   cv::setNumThreads(1);
-  keep_memory_of_images();
+  keep_freed_memory();
   constexpr int kSample = 100;
-  std::fprintf(stderr, "rendering %d images\n", large + 2 * kSample);
-  const auto files = render_drive(large + large / 4 + kSample);
+  const int images = large + large / 4 + 2 * kSample;  // some will be ignored
+  std::fprintf(stderr, "rendering %d images\n", images);
+  const auto files = render_drive(images);
 
   test::TempStore store;
   server::VocabularyService vocabularies(store.store());
   vocabularies.set_default(MAPWELD_SOURCE_DIR "/vocabularies/indoor-50k.mwv");
   server::MapCache cache(store.store(), std::size_t{1} << 30);
   server::WorkerPool workers(1);
-  server::MapService maps(store.store(), cache, vocabularies);
+  server::MapOpener opener(store.store(), cache);
+  server::MapService maps(store.store(), opener, vocabularies, [](std::int64_t) {});
   contract::CreateMap request;
   request.name = "drive";
   maps.create(request);
@@ -64,7 +72,7 @@ int run(int small, int large) {
   std::size_t next = 0;
   int vertices = 0;
   const auto upload = [&](server::ImageService& service) {
-    const auto outcome = service.upload("drive", {.name = std::to_string(next), .bytes = files.at(next)}, {});
+    const auto outcome = service.upload("drive", {std::to_string(next), files.at(next), {}}, {});
     ++next;
     if (outcome.created) ++vertices;
     return outcome.upload.took_ms;
@@ -78,7 +86,9 @@ int run(int small, int large) {
     std::vector<double> all_ms;
     for (int i = 0; i < kSample; ++i) all_ms.push_back(upload(measured));
     std::nth_element(all_ms.begin(), all_ms.begin() + kSample / 2, all_ms.end());
-    Row row{.vertices = size, .all_ms = all_ms[kSample / 2]};
+    Row row;
+    row.vertices = size;
+    row.all_ms = all_ms[kSample / 2];
     for (std::size_t s = 0; s < server::kStages.size(); ++s) {
       row.stage_ms[s] = metrics.stage(server::kStages[s]).summary().median_s * 1e3;
     }
