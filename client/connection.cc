@@ -1,7 +1,10 @@
 #include "client/connection.h"
 
 #include <chrono>
+#include <csignal>
 #include <cstdlib>
+#include <ctime>
+#include <exception>
 #include <stdexcept>
 
 #include <httplib.h>
@@ -120,6 +123,37 @@ std::string path_of(std::string_view root, const std::vector<std::string>& segme
   return path;
 }
 
+namespace {
+
+// Keeps SIGPIPE from ending the program when the server closes a connection that is being written to: cpp-httplib
+// writes without MSG_NOSIGNAL. Blocks it for this thread and takes away the one that may have come.
+class NoSigpipe {
+ public:
+  NoSigpipe() {
+    sigemptyset(&sigpipe_);
+    sigaddset(&sigpipe_, SIGPIPE);
+    sigset_t pending;
+    sigpending(&pending);
+    was_pending_ = sigismember(&pending, SIGPIPE) == 1;
+    pthread_sigmask(SIG_BLOCK, &sigpipe_, &before_);
+  }
+  ~NoSigpipe() {
+    const timespec at_once{};
+    while (!was_pending_ && sigtimedwait(&sigpipe_, nullptr, &at_once) == SIGPIPE) {
+    }
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+  NoSigpipe(const NoSigpipe&) = delete;
+  NoSigpipe& operator=(const NoSigpipe&) = delete;
+
+ private:
+  sigset_t sigpipe_;
+  sigset_t before_;
+  bool was_pending_;
+};
+
+}  // namespace
+
 struct Connection::Http {
   Http(const std::string& origin, const ConnectionOptions& options) : client(origin) {
     using Seconds = std::chrono::duration<double>;
@@ -154,11 +188,13 @@ std::string body_of(httplib::Result& result, const std::string& base_url) {
 }  // namespace
 
 std::string Connection::get(const std::string& path) {
+  const NoSigpipe guard;
   httplib::Result result = http_->client.Get(prefix_ + path);
   return body_of(result, base_url_);
 }
 
 std::string Connection::post(const std::string& path, const std::string& body, const std::string& content_type) {
+  const NoSigpipe guard;
   httplib::Result result = http_->client.Post(prefix_ + path, body, content_type);
   return body_of(result, base_url_);
 }
@@ -167,11 +203,13 @@ std::string Connection::post_form(const std::string& path, const std::vector<For
   httplib::MultipartFormDataItems items;
   items.reserve(parts.size());
   for (const FormPart& part : parts) items.push_back({"image", part.bytes, part.file_name, part.content_type});
+  const NoSigpipe guard;
   httplib::Result result = http_->client.Post(prefix_ + path, items);
   return body_of(result, base_url_);
 }
 
 std::string Connection::remove(const std::string& path) {
+  const NoSigpipe guard;
   httplib::Result result = http_->client.Delete(prefix_ + path);
   return body_of(result, base_url_);
 }
@@ -179,6 +217,8 @@ std::string Connection::remove(const std::string& path) {
 void Connection::get(const std::string& path, const std::function<void(std::string_view)>& receive) {
   bool good = false;
   std::string refusal;
+  std::exception_ptr failure;  // of `receive`; must not run through cpp-httplib
+  const NoSigpipe guard;
   httplib::Result result = http_->client.Get(
       prefix_ + path,
       [&](const httplib::Response& response) {
@@ -186,13 +226,19 @@ void Connection::get(const std::string& path, const std::function<void(std::stri
         return true;
       },
       [&](const char* data, std::size_t size) {
-        if (good) {
-          receive({data, size});
-        } else {
+        if (!good) {
           refusal.append(data, size);
+          return true;
         }
-        return true;
+        try {
+          receive({data, size});
+          return true;
+        } catch (...) {
+          failure = std::current_exception();
+          return false;
+        }
       });
+  if (failure) std::rethrow_exception(failure);
   if (result && !good) result->body = refusal;
   body_of(result, base_url_);
 }

@@ -48,7 +48,8 @@ class Connection {
   std::string post_form(const std::string& path, const std::vector<FormPart>& parts);
   std::string remove(const std::string& path);
 
-  // Hands the body on in pieces as they arrive, and nothing when the answer is not 2xx.
+  // Hands the body on in pieces as they arrive, and nothing when the answer is not 2xx. What `receive` throws ends the
+  // request and is thrown on.
   void get(const std::string& path, const std::function<void(std::string_view)>& receive);
 
  private:

@@ -6,7 +6,7 @@ namespace mapweld::command {
 enum ExitCode : int {
   kDone = 0,
   kServerSaidNo = 1,   // the server answered with a problem
-  kUsage = 2,          // the command line, or a local file or folder, is not right; nothing was sent
+  kUsage = 2,          // the command line, or a local file or folder, is not right
   kNoConnection = 3,   // no server answers, or the connection was lost
   kNotLocalized = 4,   // localize: at least one image was not found, or found in two places
   kSomeRefused = 5,    // upload, localize: the server refused some of the images, the others were served

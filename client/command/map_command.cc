@@ -44,7 +44,7 @@ std::string describe(const contract::Map& map) {
   std::string labels;
   for (const auto& [key, text] : map.labels) labels += (labels.empty() ? "" : ", ") + printable(key + "=" + text);
   if (!labels.empty()) lines.emplace_back("labels", labels);
-  lines.emplace_back("created", map.created_at);
+  lines.emplace_back("created", time_text(map.created_at));
   lines.emplace_back("uuid", map.uuid);
   return facts(lines);
 }
@@ -77,7 +77,7 @@ int list(const Context& context) {
     Table table({"NAME", "KIND", "VERTICES", "EDGES", "IGNORED", "VOCABULARY", "CREATED"}, {2, 3, 4});
     for (const contract::Map& map : *maps) {
       table.add({map.name, map.kind, std::to_string(map.vertices), std::to_string(map.edges),
-                 std::to_string(map.ignored), map.vocabulary, map.created_at});
+                 std::to_string(map.ignored), map.vocabulary, time_text(map.created_at)});
     }
     print(table.text());
   }

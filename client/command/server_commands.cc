@@ -48,7 +48,7 @@ int vocabularies(const Context& context) {
   for (const contract::Vocabulary& vocabulary : *all) {
     table.add({vocabulary.name, std::to_string(vocabulary.words),
                vocabulary.descriptor + " x " + std::to_string(vocabulary.dimension), vocabulary.index,
-               vocabulary.sha256.substr(0, 12), vocabulary.created_at});
+               vocabulary.sha256.substr(0, 12), time_text(vocabulary.created_at)});
   }
   print(table.text());
   return kDone;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <system_error>
 
@@ -85,6 +86,13 @@ std::string duration_text(double seconds) {
   const auto whole = static_cast<long long>(std::llround(std::min(seconds, 1e15)));
   if (whole < 3600) return std::to_string(whole / 60) + " min " + std::to_string(whole % 60) + " s";
   return std::to_string(whole / 3600) + " h " + std::to_string(whole / 60 % 60) + " min";
+}
+
+std::string time_text(const std::string& rfc3339) {
+  const auto dot = rfc3339.find('.');
+  if (dot == std::string::npos) return rfc3339;
+  const auto end = rfc3339.find_first_not_of("0123456789", dot + 1);
+  return rfc3339.substr(0, dot) + (end == std::string::npos ? "" : rfc3339.substr(end));
 }
 
 std::string number_text(double number) { return number == 0 ? "0" : formatted("%.4g", number); }
@@ -170,6 +178,7 @@ void Panel::clear() {
 
 void print(std::string_view text) {
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
+    if (errno == EPIPE) std::_Exit(128 + SIGPIPE);  // while a request has the signal blocked
     throw std::system_error(errno, std::generic_category(), "Cannot write to standard output");
   }
 }

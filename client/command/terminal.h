@@ -25,6 +25,8 @@ std::string printable(std::string_view text);
 
 // "0.25 s", "12.5 s", "2 min 5 s", "1 h 2 min".
 std::string duration_text(double seconds);
+// An RFC 3339 time without its fraction of a second: "2026-11-23T10:00:00Z".
+std::string time_text(const std::string& rfc3339);
 // Four significant digits: "0.01310", "12.35", "3.2e-05"; "0" for exactly 0.
 std::string number_text(double number);
 // "1 edge", "2 edges".
@@ -63,7 +65,8 @@ class Panel {
   std::size_t drawn_ = 0;
 };
 
-// To standard output. Throws std::system_error when it cannot be written (a full disk; a closed pipe ends the program).
+// To standard output. Throws std::system_error when it cannot be written (a full disk; a closed pipe ends the program,
+// silently, as SIGPIPE does).
 void print(std::string_view text);
 void print_json(const contract::Json& json);  // one line
 

@@ -1,5 +1,7 @@
 // mapweld upload MAP DIR
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <thread>
@@ -73,7 +75,9 @@ std::string summary(const client::UploadOptions& options, const UploadReport& re
   if (report.refused > 0) text += ", " + std::to_string(report.refused) + " refused";
   const std::int64_t sent = report.inserted + report.ignored;
   text += " (" + duration_text(elapsed_s);
-  if (sent > 0) text += ", " + duration_text(elapsed_s / static_cast<double>(sent)) + " an image";
+  if (sent > 0) {
+    text += ", " + std::to_string(std::llround(1000 * elapsed_s / static_cast<double>(sent))) + " ms an image";
+  }
   return text + ").\n";
 }
 

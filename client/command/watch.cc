@@ -126,7 +126,7 @@ class Display {
     }
     const bool turned = !shown_ || merge.phase != shown_->phase || merge.state != shown_->state;
     const bool moved = !shown_ || merge.step != shown_->step;
-    if (turned || last || (moved && Clock::now() - shown_at_ >= kLineInterval)) {
+    if (turned || (moved && last) || (moved && Clock::now() - shown_at_ >= kLineInterval)) {
       print(progress_line(merge) + "\n");
       shown_ = merge;
       shown_at_ = Clock::now();
@@ -155,7 +155,7 @@ std::string outcome_text(const contract::Merge& merge) {
     text += "is complete";
   } else if (merge.state == "budget_exhausted") {
     text += "has used up its budget";
-    if (merge.stop_reason) text += " of " + *merge.stop_reason;
+    if (merge.stop_reason) text += " (" + *merge.stop_reason + ")";
   } else if (merge.state == "failed") {
     text += "failed" + (merge.error ? ": " + printable(*merge.error) : std::string());
   } else {

@@ -6,15 +6,17 @@
 
 namespace mapweld::drawing {
 
-Axis::Axis(double most, int wanted, double from_px, double to_px) : from_px_(from_px), to_px_(to_px) {
+Axis::Axis(double most, int wanted, double from_px, double to_px, End end) : from_px_(from_px), to_px_(to_px) {
   if (!(most > 0)) most = 1;
   const double rough = most / std::max(1, wanted);
   const double power = std::pow(10.0, std::floor(std::log10(rough)));
   const double lead = rough / power;
   step_ = power * (lead <= 1.0001 ? 1 : lead <= 2.0001 ? 2 : lead <= 5.0001 ? 5 : 10);
   const int steps = std::max(1, static_cast<int>(std::ceil(most / step_ - 1e-9)));
-  end_ = steps * step_;
-  for (int i = 0; i <= steps; ++i) ticks_.push_back(i * step_);
+  end_ = end == End::kTick ? steps * step_ : most;
+  for (int i = 0; i <= steps; ++i) {
+    if (i * step_ <= end_ * (1 + 1e-9)) ticks_.push_back(i * step_);
+  }
 }
 
 std::string Axis::label(double tick) const {

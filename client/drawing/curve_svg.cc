@@ -27,6 +27,7 @@ struct PanelSpec {
   int ticks;
   double most;
   std::function<double(const CurvePoint&)> value;
+  bool of_component;  // says little while the largest component grows: dotted until then
 };
 
 std::string line(double x1, double y1, double x2, double y2, const std::string& style) {
@@ -77,15 +78,33 @@ std::string draw_bands(const std::vector<Band>& bands, const Axis& time, double 
   return content + "</g>\n";
 }
 
-// The first time from which on the connectivity stays at 90 % of its last value or above.
+// How many points come before the largest component has its last size for good. Its connectivity says little until
+// then: a small component is easily better connected than the one it becomes part of.
+std::size_t growing(Points points) {
+  std::size_t first = points.size();
+  while (first > 0 && points[first - 1].largest_component.vertices == points.back().largest_component.vertices) --first;
+  return first;
+}
+
+// The first time from which on the component that remains keeps 90 % of its last connectivity or more.
 std::optional<double> settled_s(Points points) {
   const double goal = 0.9 * points.back().largest_component.algebraic_connectivity;
   if (!(goal > 0)) return std::nullopt;
-  double time_s = points.back().elapsed_s;
-  for (std::size_t i = points.size(); i-- > 0 && points[i].largest_component.algebraic_connectivity >= goal;) {
-    time_s = points[i].elapsed_s;
+  const std::size_t grown = growing(points);
+  std::size_t first = points.size();
+  while (first > grown && points[first - 1].largest_component.algebraic_connectivity >= goal) --first;
+  return first < points.size() ? std::optional(points[first].elapsed_s) : std::nullopt;
+}
+
+std::string draw_line(const PanelSpec& panel, Points points, const Axis& time, const Axis& axis, const char* style) {
+  if (points.size() < 2) return "";
+  std::string path;
+  for (const CurvePoint& point : points) {
+    path += path.empty() ? "M" : "L";
+    path += px(time.at(point.elapsed_s)) + " " + px(axis.at(panel.value(point)));
   }
-  return time_s;
+  return "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + panel.colour + "\" " + style +
+         " stroke-linejoin=\"round\" stroke-linecap=\"round\"/>\n";
 }
 
 std::string draw_panel(const PanelSpec& panel, Points points, const Axis& time, double top) {
@@ -105,13 +124,10 @@ std::string draw_panel(const PanelSpec& panel, Points points, const Axis& time, 
   }
   content += text_at(26, (top + bottom) / 2, panel.title,
                      {.size_px = 12.5, .colour = kInk, .anchor = "middle", .turned_deg = -90});
-  std::string path;
-  for (const CurvePoint& point : points) {
-    path += path.empty() ? "M" : "L";
-    path += px(time.at(point.elapsed_s)) + " " + px(axis.at(panel.value(point)));
-  }
-  content += "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + panel.colour +
-             "\" stroke-width=\"2\" stroke-linejoin=\"round\" stroke-linecap=\"round\"/>\n";
+  const std::size_t dashed = panel.of_component ? growing(points) : 0;
+  content += draw_line(panel, points.first(std::min(dashed + 1, points.size())), time, axis,
+                       "stroke-width=\"1.6\" stroke-dasharray=\"1 4\"");
+  content += draw_line(panel, points.subspan(dashed), time, axis, "stroke-width=\"2\"");
   if (points.size() <= 80) {
     for (const CurvePoint& point : points) {
       content += "<circle cx=\"" + px(time.at(point.elapsed_s)) + "\" cy=\"" + px(axis.at(panel.value(point))) +
@@ -142,7 +158,7 @@ std::string draw_share(Points points, const PanelSpec& panel, const Axis& time, 
     const std::string dashes = std::string("stroke=\"") + kInk + "\" stroke-width=\"0.9\" stroke-dasharray=\"5 4\"";
     content += line(x, y, kRight, y, dashes) + line(x, y, x, top + panel.height_px, dashes);
     const double total_s = points.back().elapsed_s;
-    const std::string text = "90 % after " + shown(*reached_s) + " s, " +
+    const std::string text = "90 % after " + shown(*reached_s, 3) + " s, " +
                              std::to_string(static_cast<int>(100 * *reached_s / std::max(total_s, 1e-9) + 0.5)) +
                              " % of the time";
     const bool room_right = x + 8 + text_width_px(text, 12) < kRight;
@@ -158,7 +174,7 @@ std::string subtitle_of(const contract::Merge& merge, Points points) {
     const CurvePoint& last = points.back();
     text += ": " + std::to_string(last.edges) + " edges between the maps, " + std::to_string(last.verifications) +
             " verifications, " + std::to_string(last.components) +
-            (last.components == 1 ? " component" : " components") + " after " + shown(last.elapsed_s) + " s";
+            (last.components == 1 ? " component" : " components") + " after " + shown(last.elapsed_s, 3) + " s";
   }
   return text;
 }
@@ -189,16 +205,16 @@ std::string curve_svg(const contract::Merge& merge, Points points) {
   const auto edges = [](const CurvePoint& p) { return static_cast<double>(p.edges); };
   const auto size = [](const CurvePoint& p) { return static_cast<double>(p.largest_component.vertices); };
   std::vector<PanelSpec> panels = {
-      {"algebraic connectivity \u03BB\u2082", kMemberColours[0], 240, 5, most(connectivity), connectivity},
-      {"edges between maps", kInterColour, 150, 4, most(edges), edges}};
+      {"algebraic connectivity \u03BB\u2082", kMemberColours[0], 240, 5, most(connectivity), connectivity, true},
+      {"edges between maps", kInterColour, 150, 4, most(edges), edges, false}};
   if (std::any_of(points.begin(), points.end(), [&](const CurvePoint& p) { return size(p) != size(points.back()); })) {
-    panels.push_back({"vertices in largest", kMemberColours[1], 110, 3, most(size), size});
+    panels.push_back({"vertices in largest", kMemberColours[1], 110, 3, most(size), size, false});
   }
   double bottom = kTop;
   for (const PanelSpec& panel : panels) bottom += panel.height_px + kPanelGap;
   bottom -= kPanelGap;
 
-  const Axis time(points.back().elapsed_s, 8, kLeft, kRight);
+  const Axis time(points.back().elapsed_s, 8, kLeft, kRight, Axis::End::kLast);
   content += draw_bands(bands_of(points), time, kTop, bottom);
   double top = kTop;
   for (std::size_t i = 0; i < panels.size(); ++i) {

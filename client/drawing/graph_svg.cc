@@ -168,7 +168,8 @@ struct Scale {
                           kMaxDrawingHeight / std::max(layout.height, 1e-6), kMaxUnit})),
         left_px(kMargin + (kDrawingWidth - layout.width * unit_px) / 2),
         height_px(std::max(layout.height * unit_px, kMinDrawingHeight)),
-        radius_px(std::clamp(0.30 * unit_px, 1.8, 7.0)),
+        radius_px(std::clamp(0.30 * unit_px, 1.8,
+                             std::clamp(80 / std::sqrt(1.0 + static_cast<double>(layout.positions.size())), 1.8, 7.0))),
         stroke_px(std::clamp(0.06 * unit_px, 0.5, 1.4)) {
     top_px = heading_bottom_px + radius_px + (height_px - layout.height * unit_px) / 2;
   }

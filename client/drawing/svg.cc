@@ -61,9 +61,9 @@ std::string escaped(std::string_view text) {
   return safe;
 }
 
-std::string shown(double number) {
+std::string shown(double number, int digits) {
   char text[48];
-  std::snprintf(text, sizeof text, "%.4g", number);
+  std::snprintf(text, sizeof text, "%.*g", digits, number);
   return text;
 }
 

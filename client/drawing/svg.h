@@ -23,8 +23,8 @@ std::string px(double number);
 // For text and attribute values: markup escaped; bytes that XML cannot hold replaced by U+FFFD.
 std::string escaped(std::string_view text);
 
-// "2.5", "0.0131", "1e-05": for people, four significant digits.
-std::string shown(double number);
+// "2.5", "0.0131", "1e-05": for people.
+std::string shown(double number, int digits = 4);
 
 // A document of this size with a white ground; `label` says to screen readers what it shows.
 std::string svg_document(double width_px, double height_px, std::string_view label, std::string_view content);

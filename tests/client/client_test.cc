@@ -133,6 +133,9 @@ TEST(ClientExport, HandsOnPiecesOrThrows) {
   ASSERT_TRUE(problem);
   EXPECT_EQ(problem->code(), "no_such_map");
   EXPECT_EQ(got, "");
+  EXPECT_THROW(client.export_graph("lab", "dot", [](std::string_view) { throw std::runtime_error("full"); }),
+               std::runtime_error);
+  EXPECT_THROW(client.map("nothing"), ServerProblem);  // the connection can still be used
 }
 
 }  // namespace

@@ -57,7 +57,7 @@ TEST(CurveSvg, HasAPanelForConnectivityAndOneForEdges) {
 TEST(CurveSvg, ShowsTheLargestComponentWhenItGrows) {
   auto points = ramp();
   points[0].largest_component.vertices = 60;
-  EXPECT_EQ(count_elements(curve_svg(merge_in("running"), points), "path"), 3U);
+  EXPECT_EQ(count_elements(curve_svg(merge_in("running"), points), "path"), 4U);
 }
 
 TEST(CurveSvg, PromisesNoFinalValueBeforeTheMergeIsComplete) {
@@ -68,8 +68,17 @@ TEST(CurveSvg, PromisesNoFinalValueBeforeTheMergeIsComplete) {
 
 TEST(CurveSvg, ReachesNinetyPerCentForGoodNotForAMoment) {
   auto points = ramp();
-  points[2].largest_component.algebraic_connectivity = 0.01;  // a small component that joins a large one afterwards
+  points[2].largest_component.algebraic_connectivity = 0.01;
   EXPECT_NE(curve_svg(merge_in("completed"), points).find(">90 % after 9 s"), std::string::npos);
+}
+
+TEST(CurveSvg, DoesNotMistakeASmallComponentForAGoodMerge) {
+  auto points = ramp();
+  for (std::size_t i = 0; i < 5; ++i) points[i].largest_component = {60, 0.02};
+  for (std::size_t i = 5; i < 11; ++i) points[i].largest_component = {100, 0.01};
+  const std::string svg = curve_svg(merge_in("completed"), points);
+  EXPECT_NE(svg.find(">90 % after 5 s"), std::string::npos);
+  EXPECT_EQ(count_elements(svg, "path"), 4U);  // connectivity dotted and drawn, edges, size
 }
 
 TEST(CurveSvg, TakesNoPointsOnePointAndZeros) {
@@ -111,6 +120,9 @@ TEST(AxisTicks, AreRoundAndCoverTheData) {
   const Axis axis(0.0131, 5, 0, 100);
   EXPECT_EQ(axis.label(axis.ticks()[1]), "0.005");
   EXPECT_EQ(Axis(247, 4, 0, 1).label(100), "100");
+  const Axis tight(0.41, 8, 0, 100, Axis::End::kLast);
+  EXPECT_DOUBLE_EQ(tight.at(0.41), 100);
+  EXPECT_DOUBLE_EQ(tight.ticks().back(), 0.4);
 }
 
 TEST(SvgNumbers, AreShort) {
