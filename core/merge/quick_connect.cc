@@ -147,22 +147,22 @@ void QuickConnect::advance_phase() {
 
 void QuickConnect::sort_postponed() {
   PairSearch& search = state_.search;
-  struct Keyed {
-    std::uint32_t degree;
-    Candidate candidate;
-  };
-  std::vector<Keyed> keyed;
-  keyed.reserve(search.postponed.size());
-  for (Candidate c : search.postponed) {
-    c.votes = search.similarity.at(row(c.source), column(c.target));
-    keyed.push_back({std::min(graph_.degree(c.source), graph_.degree(c.target)), c});
+  // Ascending (degree, -votes), (source, target), each pair packed into one number: L may hold a million candidates,
+  // and sorting it is one step.
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> keys;
+  keys.reserve(search.postponed.size());
+  for (const Candidate& c : search.postponed) {
+    const std::uint64_t degree = std::min(graph_.degree(c.source), graph_.degree(c.target));
+    const std::uint32_t votes = search.similarity.at(row(c.source), column(c.target));
+    keys.emplace_back(degree << 32 | (0xFFFFFFFFu - votes),
+                      std::uint64_t{to_index(c.source)} << 32 | to_index(c.target));
   }
-  std::ranges::sort(keyed, [](const Keyed& a, const Keyed& b) {
-    if (a.degree != b.degree) return a.degree < b.degree;
-    if (a.candidate.votes != b.candidate.votes) return a.candidate.votes > b.candidate.votes;
-    return std::pair(a.candidate.source, a.candidate.target) < std::pair(b.candidate.source, b.candidate.target);
-  });
-  for (std::size_t i = 0; i < keyed.size(); ++i) search.postponed[i] = keyed[i].candidate;
+  std::ranges::sort(keys);
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    const auto [order, ends] = keys[i];
+    search.postponed[i] = {VertexId{static_cast<std::uint32_t>(ends >> 32)}, VertexId{static_cast<std::uint32_t>(ends)},
+                           0xFFFFFFFFu - static_cast<std::uint32_t>(order)};
+  }
 }
 
 void QuickConnect::raise_words_of(std::uint32_t row) {
