@@ -39,21 +39,25 @@ int level_for(double texels, int levels) {
 class Painter {
  public:
   Painter(const Scene& scene, const PinholeCamera& camera, const Shading& shading, Buffers& buffers)
-      : scene_(scene), camera_(camera), shading_(shading), buffers_(buffers) {}
+      : scene_(scene), camera_(camera), shading_(shading), buffers_(buffers), on_path_(scene.cells.size()) {}
 
+  // Draws a cell as it is seen between two columns, and what is seen through its portals. Cells are convex: no line of
+  // sight enters one twice, so none is visited again on its own path.
   void visit(int index, double left, double right, int depth) {
     const Cell& cell = scene_.cells[static_cast<std::size_t>(index)];
+    on_path_[static_cast<std::size_t>(index)] = 1;
     for (std::size_t i = 0; i < cell.surfaces.size(); ++i) {
       draw(cell.surfaces[i], cell.first_surface + static_cast<std::uint32_t>(i), left, right);
     }
-    if (depth == kMaxPortals) return;
     for (const Portal& portal : cell.portals) {
+      if (depth == kMaxPortals || on_path_[static_cast<std::size_t>(portal.to)] != 0) continue;
       if (dot(portal.into, camera_.position - portal.lower_a) < -1e-6) continue;
       double from = left;
       double to = right;
       if (!narrow(portal, from, to)) continue;
       visit(portal.to, from, to, depth + 1);
     }
+    on_path_[static_cast<std::size_t>(index)] = 0;
   }
 
  private:
@@ -309,6 +313,7 @@ class Painter {
   const PinholeCamera& camera_;
   const Shading& shading_;
   Buffers& buffers_;
+  std::vector<std::uint8_t> on_path_;  // by cell: 1 while it is being visited
 };
 
 }  // namespace
