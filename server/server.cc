@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <thread>
 
 #include <spdlog/spdlog.h>
@@ -22,10 +23,14 @@ namespace {
 MergeJobOptions job_options(const ServerConfig& config) {
   MergeJobOptions options;
   options.verifier = make_verifier;
+  options.checkpoint_interval_s = config.checkpoint_interval_s;
   options.workers = config.merge_workers;
   options.log = [](const std::string& line) { spdlog::warn("{}", line); };
   return options;
 }
+
+// How long after stop() the images of requests under way are still stored.
+constexpr std::chrono::seconds kUploadGrace{3};
 
 int cores() { return static_cast<int>(std::max(1u, std::thread::hardware_concurrency())); }
 
@@ -57,20 +62,22 @@ class Server::Impl {
   int port() const { return port_; }
 
   void run() {
+    // Merges are checkpointed while the last requests are answered.
+    std::thread jobs_stopper([this] {
+      stopping_.wait(false);
+      jobs_.shutdown();
+    });
     http_.serve();
-    if (jobs_stopper_.joinable()) jobs_stopper_.join();
+    stop();
+    jobs_stopper.join();
     segments_.stop();
   }
 
   void stop() {
     if (stopping_.exchange(true)) return;
-    images_.stop();
+    stopping_.notify_all();
+    images_.refuse_after(std::chrono::steady_clock::now() + kUploadGrace);
     http_.drain();
-    jobs_stopper_ = std::thread([this] { jobs_.shutdown(); });
-  }
-
-  ~Impl() {
-    if (jobs_stopper_.joinable()) jobs_stopper_.join();
   }
 
  private:
@@ -135,7 +142,6 @@ class Server::Impl {
   SegmentWriter segments_;
   int port_ = 0;
   std::atomic<bool> stopping_{false};
-  std::thread jobs_stopper_;
 };
 
 Server::Server(const ServerConfig& config) : impl_(std::make_unique<Impl>(config)) {}

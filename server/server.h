@@ -13,7 +13,7 @@ class Server {
   // go on. Throws StoreError (folder_in_use, foreign_database, newer_version, ...) and std::runtime_error, each with a
   // sentence for the one who starts the server; nothing is then running.
   explicit Server(const ServerConfig& config);
-  ~Server();  // as stop(), and waits
+  ~Server();  // when run() is not running
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
@@ -22,7 +22,8 @@ class Server {
   // Serves until stop(). Returns when the requests under way are answered and running merges are checkpointed.
   void run();
 
-  // Any thread; returns at once. Uploads that are not yet being stored are refused from now on.
+  // Any thread; returns at once. Takes no new requests; finishes those under way, but of large batches only the images
+  // that it gets to within 3 s.
   void stop();
 
  private:

@@ -129,8 +129,9 @@ void add_serve_command(CLI::App& app) {
       ->envname("MAPWELD_WORKERS")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
-  command->add_option("--checkpoint-interval", config->checkpoint_interval_s,
-                      "Seconds between the checkpoints of a running merge, where they are cheap enough")
+  command
+      ->add_option("--checkpoint-interval", config->checkpoint_interval_s,
+                   "Seconds between the checkpoints of a running merge, where they are cheap enough")
       ->envname("MAPWELD_CHECKPOINT_INTERVAL")
       ->check(CLI::Range(0.001, 60.0))
       ->capture_default_str();

@@ -177,6 +177,10 @@ class HttpServer::Impl final : public httplib::Server {
     id_prefix_ = (std::uint64_t{entropy()} << 32) | entropy();
   }
 
+  ~Impl() override {
+    if (bound_ && !served_) ::close(svr_sock_);
+  }
+
   int bind() {
     errno = 0;
     const int port = options_.port == 0 ? bind_to_any_port(options_.host)
@@ -186,17 +190,20 @@ class HttpServer::Impl final : public httplib::Server {
                                (errno != 0 ? std::strerror(errno) : "no such address"));
     }
     ::listen(svr_sock_, kListenBacklog);
+    bound_ = true;
     return port;
   }
 
   void serve() {
-    if (!draining_) listen_after_bind();
+    if (draining_) return;
+    served_ = true;
+    listen_after_bind();
   }
 
   void drain() {
     if (draining_.exchange(true)) return;
     // Wakes accept(). The library's stop() is not used: it also breaks off replies that are being streamed.
-    ::shutdown(svr_sock_, SHUT_RDWR);
+    if (bound_) ::shutdown(svr_sock_, SHUT_RDWR);
   }
 
  private:
@@ -233,11 +240,8 @@ class HttpServer::Impl final : public httplib::Server {
       }
       bool closed = false;
       const bool answered = process_request(connection, draining_, closed, nullptr);
-      if (!answered || closed || draining_) break;
-      if (!connection.body_consumed()) {
-        connection.linger();
-        break;
-      }
+      if (answered && !connection.body_consumed()) connection.linger();
+      if (!answered || closed || draining_ || !connection.body_consumed()) break;
     }
     current = nullptr;
   }
@@ -362,8 +366,9 @@ class HttpServer::Impl final : public httplib::Server {
     const double elapsed_s = current->watch.elapsed_s();
     metrics_.count_request(request.method, current->route.empty() ? "none" : current->route, response.status,
                            elapsed_s);
-    spdlog::log(response.status >= 500 ? spdlog::level::warn : spdlog::level::debug, "{} {} {} {} {:.1f} ms",
-                current->request_id, request.method, request.target, response.status, elapsed_s * 1e3);
+    spdlog::log(response.status == 500 || response.status == 507 ? spdlog::level::warn : spdlog::level::debug,
+                "{} {} {} {} {:.1f} ms", current->request_id, request.method, request.target, response.status,
+                elapsed_s * 1e3);
   }
 
   std::string next_request_id() {
@@ -379,6 +384,8 @@ class HttpServer::Impl final : public httplib::Server {
   BodyBudget bodies_;
   std::atomic<bool> draining_{false};
   std::atomic<int> waiting_{0};
+  bool bound_ = false;
+  bool served_ = false;
   std::atomic<std::uint64_t> requests_{0};
   std::uint64_t id_prefix_ = 0;
 };

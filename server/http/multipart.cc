@@ -71,11 +71,6 @@ std::string undo_percent(std::string name) {
   return name;
 }
 
-std::string last_component(std::string name) {
-  const std::size_t slash = name.find_last_of('/');
-  return slash == std::string::npos ? name : name.substr(slash + 1);
-}
-
 Part parse_part(std::string_view bytes) {
   const std::size_t end = bytes.starts_with("\r\n") ? 0 : bytes.substr(0, kMaxPartHeader + 4).find("\r\n\r\n");
   if (end == std::string_view::npos) malformed("A part has no end of its header fields.");
@@ -95,9 +90,35 @@ Part parse_part(std::string_view bytes) {
     const std::string_view value = line.substr(colon + 1);
     if (lower(trim(value.substr(0, value.find(';')))) != "form-data") malformed("A part is not form-data.");
     part.name = header_parameter(value, "name").value_or("");
-    part.file_name = last_component(undo_percent(header_parameter(value, "filename").value_or("")));
+    part.file_name = undo_percent(header_parameter(value, "filename").value_or(""));
   }
   return part;
+}
+
+struct Delimiter {
+  std::size_t begin = 0;  // of the line end before it
+  std::size_t end = 0;    // after its own line end
+  bool closes = false;    // the last one: "--" follows
+};
+
+// What follows a boundary that ends at `at`: "--", or perhaps spaces and a line end; nullopt when neither: then the
+// boundary is only part of a longer line.
+std::optional<Delimiter> end_of_delimiter(std::string_view body, std::size_t at) {
+  const std::string_view rest = body.substr(at);
+  if (rest.starts_with("--")) return Delimiter{0, at + 2, true};
+  const std::size_t padding = std::min(rest.find_first_not_of(" \t"), rest.size());
+  if (!rest.substr(padding).starts_with("\r\n")) return std::nullopt;
+  return Delimiter{0, at + padding + 2, false};
+}
+
+std::optional<Delimiter> find_delimiter(std::string_view body, std::size_t from, std::string_view delimiter) {
+  for (std::size_t at = body.find(delimiter, from); at != std::string_view::npos; at = body.find(delimiter, at + 1)) {
+    if (auto found = end_of_delimiter(body, at + delimiter.size())) {
+      found->begin = at;
+      return found;
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -115,32 +136,23 @@ std::string multipart_boundary(std::string_view content_type) {
 
 std::vector<Part> parse_multipart(std::string_view body, std::string_view boundary, std::size_t max_parts) {
   const std::string delimiter = "\r\n--" + std::string(boundary);
-  std::size_t at = 0;
-  if (body.starts_with(std::string_view(delimiter).substr(2))) {
-    at = delimiter.size() - 2;
-  } else {  // a preamble
-    at = body.find(delimiter);
-    if (at == std::string_view::npos) malformed("The boundary does not occur in the body.");
-    at += delimiter.size();
-  }
   std::vector<Part> parts;
-  while (true) {
-    // After a delimiter: "--" ends the body, a line end starts a part.
-    std::string_view rest = body.substr(at);
-    if (rest.starts_with("--")) return parts;
-    const std::size_t padding = std::min(rest.find_first_not_of(" \t"), rest.size());
-    rest.remove_prefix(padding);
-    if (!rest.starts_with("\r\n")) malformed("A boundary is followed by neither a line end nor \"--\".");
-    rest.remove_prefix(2);
+  // The first delimiter may stand at the very beginning, without the line end that belongs to the others.
+  std::optional<Delimiter> here = body.starts_with(std::string_view(delimiter).substr(2))
+                                      ? end_of_delimiter(body, delimiter.size() - 2)
+                                      : std::nullopt;
+  if (!here) here = find_delimiter(body, 0, delimiter);
+  if (!here) malformed("The boundary does not occur in the body.");
+  while (!here->closes) {
     if (parts.size() == max_parts) {
       throw ContractError("too_many_images", "A batch has at most " + std::to_string(max_parts) + " parts.");
     }
-    const std::size_t begin = at + padding + 2;
-    const std::size_t end = body.find(delimiter, begin);
-    if (end == std::string_view::npos) malformed("The body breaks off before its closing boundary.");
-    parts.push_back(parse_part(body.substr(begin, end - begin)));
-    at = end + delimiter.size();
+    const std::optional<Delimiter> next = find_delimiter(body, here->end, delimiter);
+    if (!next) malformed("The body breaks off before its closing boundary.");
+    parts.push_back(parse_part(body.substr(here->end, next->begin - here->end)));
+    here = next;
   }
+  return parts;
 }
 
 }  // namespace mapweld::server

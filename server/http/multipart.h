@@ -18,7 +18,7 @@ struct Part {
 std::string multipart_boundary(std::string_view content_type);
 
 // Splits `body`, which must outlive the parts. Takes file names in UTF-8, quoted with backslash or percent escapes for
-// quotes and line ends (as browsers and curl write them); of a path only its last component counts.
+// quotes and line ends (as browsers and curl write them). A name is a name: slashes in it mean nothing.
 // Throws ContractError malformed_multipart; too_many_images for more than `max_parts`.
 std::vector<Part> parse_multipart(std::string_view body, std::string_view boundary, std::size_t max_parts);
 

@@ -151,7 +151,7 @@ class ImageService::Session {
 
   // On a worker.
   Prepared prepare(const ImageUpload& upload) const {
-    if (service_.stopping_) throw_shutting_down();
+    if (service_.refusing()) throw_shutting_down();
     if (!upload.name.empty()) contract::check_image_name(upload.name);
     if (upload.bytes.empty()) throw ContractError("empty_body", "The image has no bytes.");
     const Stopwatch watch;
@@ -180,7 +180,7 @@ class ImageService::Session {
         outcome = std::move(*prepared.repeated);
         return std::nullopt;
       }
-      if (service_.stopping_) throw_shutting_down();
+      if (service_.refusing()) throw_shutting_down();
       Pending pending;
       pending.upload = &upload;
       pending.prepared = std::move(prepared);
@@ -371,7 +371,7 @@ UploadOutcome ImageService::upload(const std::string& map, const ImageUpload& im
 
 std::vector<BatchOutcome> ImageService::upload_batch(const std::string& map, const std::vector<ImageUpload>& images,
                                                      const std::optional<std::string>& map_uuid) {
-  if (stopping_) throw_shutting_down();
+  if (refusing()) throw_shutting_down();
   return Session(*this, map, map_uuid).run(images);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <exception>
 #include <functional>
@@ -64,8 +65,8 @@ class ImageService {
   std::vector<BatchOutcome> upload_batch(const std::string& map, const std::vector<ImageUpload>& images,
                                          const std::optional<std::string>& map_uuid);
 
-  // From now on images that are not yet being stored are refused with shutting_down.
-  void stop() { stopping_ = true; }
+  // The server is stopping: images that are not being stored after this time are refused with shutting_down.
+  void refuse_after(std::chrono::steady_clock::time_point deadline) { deadline_ = deadline.time_since_epoch(); }
 
  private:
   class Session;
@@ -76,7 +77,9 @@ class ImageService {
   WorkerPool& workers_;
   Metrics& metrics_;
   const ImageServiceOptions options_;
-  std::atomic<bool> stopping_{false};
+  bool refusing() const { return std::chrono::steady_clock::now().time_since_epoch() >= deadline_.load(); }
+
+  std::atomic<std::chrono::steady_clock::duration> deadline_{std::chrono::steady_clock::duration::max()};
 };
 
 }  // namespace mapweld::server

@@ -1,0 +1,229 @@
+// The paths of docs/http-api.md over loopback, as a client sees them.
+#include <fstream>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "client/contract/graph.h"
+#include "client/contract/image.h"
+#include "client/contract/map.h"
+#include "client/contract/merge.h"
+#include "client/contract/route.h"
+#include "tests/server/support/api_under_test.h"
+#include "tests/server/support/test_photos.h"
+
+namespace mapweld::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+TEST(Api, TellsHowItIs) {
+  ApiUnderTest api;
+  EXPECT_EQ(api.get("/healthz").json()["status"], "ok");
+  EXPECT_EQ(api.get("/readyz").status, 200);
+  api.ready = false;
+  EXPECT_EQ(api.get("/readyz").status, 503);
+  EXPECT_EQ(api.get("/version").json()["version"], MAPWELD_VERSION);
+  const Answer metrics = api.get("/metrics");
+  EXPECT_THAT(metrics.header("Content-Type"), StartsWith("text/plain; version=0.0.4"));
+  EXPECT_THAT(metrics.body, HasSubstr("mapweld_stage_duration_seconds_count{stage=\"sift\"} 0"));
+}
+
+TEST(Api, TheWholeWayFromPhotographsToAMergedMap) {
+  ApiUnderTest api;
+  const Answer created = api.post("/v1/maps", R"({"name":"a","labels":{"robot":"p3at-1"}})");
+  EXPECT_EQ(created.status, 201);
+  EXPECT_EQ(created.header("Location"), "/v1/maps/a");
+  const std::string uuid = created.json()["uuid"];
+  api.post("/v1/maps", R"({"name":"b"})");
+
+  const Answer first = api.post_image(
+      "/v1/maps/a/images?name=000.jpg&captured_at=2026-11-23T11:00:00%2B01:00&sequence=run-1&index=7&map_uuid=" + uuid,
+      photo_jpeg(1, 0));
+  EXPECT_EQ(first.status, 201);
+  EXPECT_EQ(first.header("Location"), "/v1/maps/a/vertices/0");
+  EXPECT_EQ(first.json().get<contract::Upload>().outcome, "inserted");
+  EXPECT_TRUE(first.json().contains("reason"));
+  const Answer again = api.post_image("/v1/maps/a/images?name=000.jpg", photo_jpeg(1, 0));
+  EXPECT_EQ(again.status, 200);
+  EXPECT_EQ(again.json()["vertex"], 0);
+  const Answer similar = api.post_image("/v1/maps/a/images?name=again.png", png(photo(1, 0)));
+  EXPECT_EQ(similar.status, 200);
+  EXPECT_EQ(similar.json()["outcome"], "ignored");
+  EXPECT_EQ(similar.json()["similar_to"], 0);
+  EXPECT_FALSE(similar.json().contains("vertex"));
+
+  const contract::Json vertex = api.get("/v1/maps/a/vertices/0").json();
+  EXPECT_EQ(vertex["captured_at"], "2026-11-23T10:00:00Z");
+  EXPECT_EQ(vertex["sequence"], "run-1");
+  EXPECT_EQ(vertex["index"], 7);
+  EXPECT_TRUE(vertex["camera"].is_null());
+  const Answer bytes = api.get("/v1/maps/a/vertices/0/image");
+  EXPECT_EQ(bytes.header("Content-Type"), "image/jpeg");
+  EXPECT_EQ(bytes.body, photo_jpeg(1, 0));
+  EXPECT_EQ(api.get("/v1/maps/a/ignored").json()["items"][0]["name"], "again.png");
+
+  std::vector<std::pair<std::string, std::string>> images_a = {{"000.jpg", photo_jpeg(1, 0)}};
+  std::vector<std::pair<std::string, std::string>> images_b;
+  for (int step = 1; step < 4; ++step) {
+    images_a.emplace_back("00" + std::to_string(step) + ".jpg", photo_jpeg(1, step));
+    images_b.emplace_back("10" + std::to_string(step) + ".jpg", photo_jpeg(1, step + 1));
+  }
+  images_b.emplace_back("broken.jpg", "not an image");
+  const auto batch = api.post_batch("/v1/maps/a/images/batch", images_a).json().get<contract::Batch>();
+  ASSERT_EQ(batch.items.size(), 4u);
+  EXPECT_EQ(std::get<contract::Upload>(batch.items[3]).vertex, 3);
+  const Answer mixed = api.post_batch("/v1/maps/b/images/batch", images_b);
+  EXPECT_EQ(mixed.status, 200);
+  const auto problem = std::get<contract::Problem>(mixed.json().get<contract::Batch>().items.at(3));
+  EXPECT_EQ(problem.code, "unsupported_image");
+  EXPECT_EQ(problem.status, 415);
+  EXPECT_EQ(problem.request_id, mixed.header("X-Request-Id"));
+
+  const Answer submitted = api.post("/v1/merges", R"({"maps":["a","b"],"name":"ab","seed":7})");
+  EXPECT_EQ(submitted.status, 202);
+  EXPECT_EQ(submitted.header("Location"), "/v1/merges/1");
+  EXPECT_EQ(submitted.header("Retry-After"), "1");
+  EXPECT_EQ(submitted.json()["seed"], 7);
+  const contract::Json merge = api.finished_merge(1);
+  EXPECT_EQ(merge["state"], "completed");
+  EXPECT_EQ(merge["links"]["self"], "/v1/merges/1");
+  EXPECT_EQ(api.get("/v1/merges/1").header("Retry-After"), "");
+  EXPECT_EQ(api.get("/v1/merges?state=completed").json()["items"].size(), 1u);
+  EXPECT_EQ(api.get("/v1/merges?state=running").json()["items"].size(), 0u);
+  const contract::Json curve = api.get("/v1/merges/1/curve").json()["items"];
+  ASSERT_FALSE(curve.empty());
+  EXPECT_EQ(curve.back()["edges"], merge["edges"]);
+  const contract::Json edges = api.get("/v1/merges/1/edges").json()["items"];
+  EXPECT_EQ(edges.size(), merge["edges"].get<std::size_t>());
+
+  const Answer found = api.post_image("/v1/maps/ab/localize?limit=1", photo_jpeg(1, 4));
+  EXPECT_EQ(found.json()["status"], "localized");
+  ASSERT_EQ(found.json()["matches"].size(), 1u);
+  EXPECT_EQ(found.json()["matches"][0]["map"], "b");
+  EXPECT_EQ(api.get("/v1/maps/ab/route?from=0&to=6").json().get<contract::Route>().vertices.front(), 0);
+  EXPECT_EQ(api.get("/v1/maps/ab/quality").json()["vertices"], 7);
+  EXPECT_EQ(api.get("/v1/maps/ab/graph").json().get<contract::Graph>().vertices.size(), 7u);
+  EXPECT_THAT(api.get("/v1/maps/ab/graph?format=csv").header("Content-Type"), StartsWith("text/csv"));
+
+  EXPECT_EQ(api.post("/v1/merges/1/cancel", "").code(), "wrong_state");
+  EXPECT_EQ(api.del("/v1/merges/1").status, 204);
+  EXPECT_EQ(api.get("/v1/maps/ab").code(), "no_such_map");
+  EXPECT_EQ(api.del("/v1/maps/a").status, 204);
+  EXPECT_EQ(api.get("/v1/maps").json()["items"].size(), 1u);
+}
+
+TEST(Api, ABudgetStopsAMergeAndResumeFinishesIt) {
+  ApiUnderTest api;
+  for (const char* map : {"a", "b"}) {
+    api.services().create_map(map);
+    for (int step = 0; step < 8; ++step) api.services().upload(map, std::to_string(step), photo_jpeg(1, step));
+  }
+  api.post("/v1/merges", R"({"maps":["a","b"],"name":"whole"})");
+  const contract::Json whole = api.finished_merge(1);
+  api.post("/v1/merges", R"({"maps":["a","b"],"name":"parts","budget":{"verifications":3}})");
+  const contract::Json stopped = api.finished_merge(2);
+  EXPECT_EQ(stopped["state"], "budget_exhausted");
+  EXPECT_EQ(stopped["stop_reason"], "verifications");
+  EXPECT_EQ(stopped["candidates"]["verified"], 3);
+  EXPECT_EQ(stopped["budget"], contract::Json::parse(R"({"verifications":3})"));
+  EXPECT_EQ(api.post_image("/v1/maps/parts/localize", photo_jpeg(1, 3)).json()["status"], "localized");
+  const Answer more = api.post("/v1/merges/2/resume", R"({"budget":{"verifications":2}})");
+  EXPECT_EQ(more.status, 202);
+  EXPECT_EQ(api.finished_merge(2)["candidates"]["verified"], 5);
+  EXPECT_EQ(api.post("/v1/merges/2/resume", "").status, 202);
+  const contract::Json finished = api.finished_merge(2);
+  EXPECT_EQ(finished["state"], "completed");
+  EXPECT_EQ(finished["edges"], whole["edges"]);
+}
+
+TEST(Api, TakesImagesOfEveryUsualKind) {
+  ApiUnderTest api;
+  api.services().create_map("lab");
+  const cv::Mat colour = photo(1, 0);
+  cv::Mat deep;
+  photo(2, 0).convertTo(deep, CV_16U, 257);
+  cv::Mat grey;
+  cv::cvtColor(photo(3, 0), grey, cv::COLOR_BGR2GRAY);
+  cv::Mat alpha;
+  cv::cvtColor(photo(4, 0), alpha, cv::COLOR_BGR2BGRA);
+  for (const std::string& image : {jpeg(colour), png(deep), png(grey), jpeg(grey), png(alpha), png(blank(1, 1))}) {
+    const Answer answer = api.post_image("/v1/maps/lab/images", image);
+    EXPECT_THAT(answer.status, ::testing::AnyOf(200, 201)) << answer.body;
+  }
+}
+
+TEST(Api, WhatIsNotThereYetSaysSo) {
+  ApiUnderTest api;
+  api.services().create_map("a");
+  api.services().create_map("b");
+  api.post("/v1/merges", R"({"maps":["a","b"],"name":"ab"})");
+  api.finished_merge(1);
+  for (const char* path : {"/v1/merges/1/events", "/v1/merges/1/pairs/0/1", "/v1/backups/1/content"}) {
+    EXPECT_EQ(api.get(path).status, 501) << path;
+  }
+  EXPECT_EQ(api.post("/v1/backups", "").status, 501);
+  EXPECT_EQ(api.get("/v1/merges/9/events").code(), "no_such_merge");
+  for (const char* method : {"random", "degree-min", "alignment", "spectral"}) {
+    EXPECT_EQ(api.post("/v1/merges", R"({"maps":["a","b"],"name":"x","method":")" + std::string(method) + "\"}").code(),
+              "unknown_method");
+  }
+}
+
+// Every path of the router is in docs/openapi.json and the other way round, with its method and query parameters.
+TEST(Api, OpenapiDescribesWhatThereIs) {
+  ApiUnderTest api;
+  const contract::Json document = api.get("/v1/openapi.json").json();
+  EXPECT_THAT(document["openapi"].get<std::string>(), StartsWith("3.1"));
+  std::set<std::string> described;
+  for (const auto& [path, operations] : document["paths"].items()) {
+    for (const auto& [method, operation] : operations.items()) {
+      if (method == "parameters") continue;
+      std::string upper = method;
+      std::transform(upper.begin(), upper.end(), upper.begin(), ::toupper);
+      std::set<std::string> query;
+      if (operation.contains("parameters")) {
+        for (const auto& parameter : operation["parameters"]) {
+          if (parameter["in"] == "query") query.insert(parameter["name"].get<std::string>());
+        }
+      }
+      std::string line = upper + " " + path;
+      for (const std::string& name : query) line += " " + name;
+      described.insert(line);
+    }
+  }
+  server::Metrics metrics;
+  const server::Router router = server::make_router({.store = api.services().store(),
+                                                     .metrics = metrics,
+                                                     .vocabularies = api.services().vocabularies(),
+                                                     .maps = api.services().maps(),
+                                                     .images = api.services().images(),
+                                                     .localization = api.services().localization(),
+                                                     .quality = api.services().quality(),
+                                                     .merges = api.services().merges(),
+                                                     .ready = [] { return true; }});
+  std::set<std::string> routed;
+  for (const server::Route& route : router.routes()) {
+    std::string line = route.method + " " + route.pattern;
+    for (const std::string& name : std::set<std::string>(route.query.begin(), route.query.end())) line += " " + name;
+    routed.insert(line);
+  }
+  EXPECT_EQ(described, routed);
+}
+
+// docs/http-api.md lists every code with its status.
+TEST(Api, TheCodePageIsComplete) {
+  std::ifstream in(MAPWELD_SOURCE_DIR "/docs/http-api.md");
+  const std::string page((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  for (const contract::CodeEntry& entry : contract::kCodes) {
+    const std::string row = "| " + std::to_string(entry.status) + " | `" + std::string(entry.code) + "` |";
+    EXPECT_THAT(page, HasSubstr(row));
+  }
+}
+
+}  // namespace
+}  // namespace mapweld::test

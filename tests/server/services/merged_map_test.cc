@@ -1,0 +1,211 @@
+// Merged maps through the services: views over their members.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/contract/problem.h"
+#include "schema/store_check.h"
+#include "server/services/graph_export.h"
+#include "tests/server/support/services_under_test.h"
+#include "tests/server/support/test_photos.h"
+
+namespace mapweld::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+class MergedMap : public ::testing::Test {
+ protected:
+  // Two robots on one wall, four steps each, the second two steps further; and one on a wall of its own.
+  MergedMap() {
+    for (const char* name : {"a", "b", "c"}) services_.create_map(name);
+    for (int step = 0; step < 4; ++step) {
+      services_.upload("a", "a-" + std::to_string(step), photo_jpeg(1, step));
+      services_.upload("b", "b-" + std::to_string(step), photo_jpeg(1, step + 2));
+      services_.upload("c", "c-" + std::to_string(step), photo_jpeg(7, step));
+    }
+  }
+
+  contract::SubmitMerge request(std::vector<std::string> maps, const std::string& name) {
+    contract::SubmitMerge submit;
+    submit.maps = std::move(maps);
+    submit.name = name;
+    return submit;
+  }
+
+  contract::Merge finish(const contract::SubmitMerge& submit) {
+    const contract::Merge merge = services_.merges().submit(submit);
+    services_.jobs().wait(merge.id, 30s);
+    return services_.merges().get(merge.id);
+  }
+
+  contract::Localization localize(const std::string& map, const std::string& image, std::size_t limit = 5) {
+    server::LocalizeQuery query;
+    query.image = {reinterpret_cast<const std::uint8_t*>(image.data()), image.size()};
+    query.limit = limit;
+    return services_.localization().localize(map, query);
+  }
+
+  ServicesUnderTest services_;
+};
+
+TEST_F(MergedMap, ShowsItsMembersUnderNumbersOfItsOwn) {
+  const contract::Merge merge = finish(request({"a", "b"}, "ab"));
+  EXPECT_EQ(merge.state, "completed");
+  EXPECT_GT(merge.edges, 0);
+  EXPECT_EQ(merge.links.map, "/v1/maps/ab");
+  EXPECT_FALSE(merge.created_at.empty());
+  const contract::Map map = services_.maps().get("ab");
+  EXPECT_EQ(map.kind, "merged");
+  EXPECT_EQ(map.merge, merge.id);
+  EXPECT_EQ(map.vertices, 8);
+  EXPECT_EQ(map.edges, services_.maps().get("a").edges + services_.maps().get("b").edges + merge.edges);
+  EXPECT_EQ(map.members, (std::vector<contract::MapMember>{{"a", 4}, {"b", 4}}));
+  const contract::Vertex vertex = services_.maps().vertex("ab", 5);
+  EXPECT_EQ(vertex.map, "b");
+  EXPECT_EQ(vertex.member_vertex, 1);
+  EXPECT_EQ(vertex.name, "b-1");
+  EXPECT_EQ(services_.maps().image("ab", 5).bytes, photo_jpeg(1, 3));
+  const auto inter = services_.maps().edges("ab", {0, true}, {1000, std::nullopt});
+  EXPECT_EQ(static_cast<std::int64_t>(inter.items.size()), merge.edges);
+  for (const contract::Edge& edge : inter.items) {
+    EXPECT_LT(edge.u, 4);
+    EXPECT_GE(edge.v, 4);
+    EXPECT_EQ(edge.merge, merge.id);
+  }
+}
+
+TEST_F(MergedMap, IsLocalizedInAtOnceAndQualityIsThatOfTheMerge) {
+  const contract::Merge merge = finish(request({"a", "b"}, "ab"));
+  // Seen by b alone, in b's own steps and in neither.
+  const contract::Localization found = localize("ab", photo_jpeg(1, 5));
+  EXPECT_EQ(found.status, "localized");
+  EXPECT_EQ(found.matches.at(0).map, "b");
+  EXPECT_EQ(found.matches.at(0).vertex, 7);
+  EXPECT_EQ(found.matches.at(0).member_vertex, 3);
+  EXPECT_EQ(found.matches.at(0).name, "b-3");
+  EXPECT_EQ(localize("ab", photo_jpeg(5, 0)).status, "not_found");
+  const contract::Quality quality = services_.quality().quality("ab");
+  EXPECT_EQ(quality.joined, merge.joined);
+  EXPECT_EQ(quality.independent_joins, merge.independent_joins);
+  EXPECT_EQ(quality.components, merge.components);
+  EXPECT_NEAR(quality.algebraic_connectivity, merge.algebraic_connectivity, 1e-9);
+}
+
+TEST_F(MergedMap, NothingOfAMemberShowsBeyondItsWatermark) {
+  finish(request({"a", "b"}, "ab"));
+  const contract::Map before = services_.maps().get("ab");
+  const contract::Quality quality = services_.quality().quality("ab");
+  const contract::Localization found = localize("ab", photo_jpeg(1, 7));
+  services_.upload("b", "b-4", photo_jpeg(1, 6));
+  services_.upload("b", "b-5", photo_jpeg(1, 7));
+  EXPECT_EQ(services_.maps().get("b").vertices, 6);
+  EXPECT_EQ(services_.maps().get("ab").vertices, before.vertices);
+  EXPECT_EQ(services_.maps().get("ab").edges, before.edges);
+  EXPECT_EQ(services_.quality().quality("ab"), quality);
+  EXPECT_EQ(code_of([&] { services_.maps().vertex("ab", 8); }), "no_such_vertex");
+  contract::Localization again = localize("ab", photo_jpeg(1, 7));
+  again.took_ms = found.took_ms;
+  EXPECT_EQ(again, found);
+  EXPECT_EQ(localize("b", photo_jpeg(1, 7)).matches.at(0).vertex, 5);
+}
+
+TEST_F(MergedMap, RefusesUploadsAndDeletionOfItsMembers) {
+  finish(request({"a", "b"}, "ab"));
+  const std::string stored = dump_store(services_.store());
+  EXPECT_EQ(code_of([&] { services_.upload("ab", "x", photo_jpeg(1, 9)); }), "map_is_merged");
+  EXPECT_EQ(code_of([&] { services_.maps().remove("a"); }), "map_in_use");
+  EXPECT_EQ(dump_store(services_.store()), stored);
+}
+
+TEST_F(MergedMap, BrokenSubmissionsChangeNothing) {
+  services_.vocabularies().add("other-words", small_vocabulary().serialize());
+  contract::CreateMap foreign;
+  foreign.name = "foreign";
+  foreign.vocabulary = "other-words";
+  services_.maps().create(foreign);
+  const std::string stored = dump_store(services_.store());
+  const auto code = [&](const contract::SubmitMerge& submit) {
+    return code_of([&] { services_.merges().submit(submit); });
+  };
+  EXPECT_EQ(code(request({"a"}, "x")), "too_few_members");
+  EXPECT_EQ(code(request({"a", "a"}, "x")), "duplicate_member");
+  EXPECT_EQ(code(request({"a", "nope"}, "x")), "no_such_map");
+  EXPECT_EQ(code(request({"a", "b"}, "c")), "name_taken");
+  EXPECT_EQ(code(request({"a", "b"}, "no/slug")), "invalid_name");
+  EXPECT_EQ(code(request({"a", "foreign"}, "x")), "vocabulary_mismatch");
+  contract::SubmitMerge submit = request({"a", "b"}, "x");
+  submit.method = "magic";
+  EXPECT_EQ(code(submit), "unknown_method");
+  for (const double seconds : {0.0, -1.0, std::numeric_limits<double>::infinity(), std::nan("")}) {
+    submit = request({"a", "b"}, "x");
+    submit.budget.emplace();
+    submit.budget->seconds = seconds;
+    EXPECT_EQ(code(submit), "invalid_budget") << seconds;
+  }
+  submit = request({"a", "b"}, "x");
+  submit.budget.emplace();
+  submit.budget->verifications = -5;
+  EXPECT_EQ(code(submit), "invalid_budget");
+  EXPECT_EQ(dump_store(services_.store()), stored);
+  EXPECT_EQ(code_of([&] { services_.merges().get(99); }), "no_such_merge");
+  EXPECT_EQ(code_of([&] { services_.merges().pause(99); }), "no_such_merge");
+  EXPECT_EQ(code_of([&] { services_.merges().list("sleeping", {}); }), "invalid_parameter");
+}
+
+TEST_F(MergedMap, DeletingItLeavesTheMembersAsTheyWere) {
+  const std::string stored = dump_store(services_.store());
+  const contract::Merge merge = finish(request({"a", "b"}, "ab"));
+  localize("ab", photo_jpeg(1, 3));
+  services_.maps().remove("ab");
+  EXPECT_EQ(code_of([&] { services_.merges().get(merge.id); }), "no_such_merge");
+  EXPECT_EQ(code_of([&] { localize("ab", photo_jpeg(1, 3)); }), "no_such_map");
+  // The verifier's version stays on record, and numbers are not given twice; everything else is as before.
+  const contract::Map a = services_.maps().get("a");
+  EXPECT_EQ(a.vertices, 4);
+  EXPECT_TRUE(check_store(services_.store().read()).findings.empty());
+  const contract::Merge second = finish(request({"a", "b"}, "ab"));
+  EXPECT_GT(second.id, merge.id);
+  EXPECT_EQ(second.edges, merge.edges);
+}
+
+TEST_F(MergedMap, MayBeAMemberItself) {
+  finish(request({"a", "c"}, "ac"));
+  const contract::Merge merge = finish(request({"ac", "b"}, "acb"));
+  EXPECT_EQ(merge.state, "completed");
+  EXPECT_EQ(services_.maps().get("acb").vertices, 12);
+  EXPECT_EQ(services_.maps().vertex("acb", 6).map, "c");
+  EXPECT_EQ(services_.maps().vertex("acb", 9).map, "b");
+  const contract::Localization found = localize("acb", photo_jpeg(1, 5));
+  EXPECT_EQ(found.status, "localized");
+  EXPECT_EQ(found.matches.at(0).vertex, 11);
+  EXPECT_EQ(localize("acb", photo_jpeg(7, 1)).matches.at(0).vertex, 5);
+  EXPECT_EQ(code_of([&] { services_.maps().remove("ac"); }), "map_in_use");
+  const contract::Quality quality = services_.quality().quality("acb");
+  EXPECT_EQ(quality.joined.size(), 2u);
+  EXPECT_EQ(quality.joined[0].map, "ac");
+}
+
+TEST_F(MergedMap, AnswersTheSameWhenItsMembersDoNotFitIntoMemory) {
+  finish(request({"a", "b"}, "ab"));
+  std::vector<contract::Localization> in_memory;
+  for (int step = 0; step < 7; ++step) in_memory.push_back(localize("ab", photo_jpeg(1, step), 1000));
+  ServicesOptions options;
+  options.cache_bytes = 0;
+  server::Metrics metrics;
+  server::MapCache cache(services_.store(), 0);
+  server::MapOpener opener(services_.store(), cache);
+  server::WorkerPool workers(1);
+  server::LocalizeService from_store(services_.store(), opener, services_.vocabularies(), workers, metrics);
+  for (int step = 0; step < 7; ++step) {
+    const std::string image = photo_jpeg(1, step);
+    server::LocalizeQuery query;
+    query.image = {reinterpret_cast<const std::uint8_t*>(image.data()), image.size()};
+    query.limit = 1000;
+    contract::Localization found = from_store.localize("ab", query);
+    found.took_ms = in_memory[static_cast<std::size_t>(step)].took_ms;
+    EXPECT_EQ(found, in_memory[static_cast<std::size_t>(step)]);
+  }
+}
+
+}  // namespace
+}  // namespace mapweld::test

@@ -1,0 +1,73 @@
+#include "tests/server/support/api_under_test.h"
+
+#include <chrono>
+#include <stdexcept>
+
+namespace mapweld::test {
+namespace {
+
+Answer answer_of(const httplib::Result& result) {
+  if (!result) throw std::runtime_error("no answer: " + to_string(result.error()));
+  return {result->status, result->headers, result->body};
+}
+
+httplib::Client connect(int port) {
+  httplib::Client client("127.0.0.1", port);
+  client.set_read_timeout(60);
+  return client;
+}
+
+}  // namespace
+
+std::string Answer::code() const {
+  return header("Content-Type") == "application/problem+json" ? json().value("code", "") : "";
+}
+
+std::string Answer::header(const std::string& name) const {
+  const auto found = headers.find(name);
+  return found == headers.end() ? "" : found->second;
+}
+
+ApiUnderTest::ApiUnderTest(const server::HttpOptions& options, const ServicesOptions& services) : services_(services) {
+  server::HttpOptions any_port = options;
+  any_port.port = 0;
+  server::Router router = server::make_router({.store = services_.store(),
+                                               .metrics = metrics_,
+                                               .vocabularies = services_.vocabularies(),
+                                               .maps = services_.maps(),
+                                               .images = services_.images(),
+                                               .localization = services_.localization(),
+                                               .quality = services_.quality(),
+                                               .merges = services_.merges(),
+                                               .ready = [this] { return ready; }});
+  http_ = std::make_unique<server::HttpServer>(any_port, std::move(router), metrics_);
+  port_ = http_->bind();
+  thread_ = std::thread([this] { http_->serve(); });
+}
+
+ApiUnderTest::~ApiUnderTest() {
+  http_->drain();
+  thread_.join();
+}
+
+Answer ApiUnderTest::get(const std::string& path) const { return answer_of(connect(port_).Get(path)); }
+
+Answer ApiUnderTest::post(const std::string& path, const std::string& body, const std::string& type) const {
+  return answer_of(connect(port_).Post(path, body, type));
+}
+
+Answer ApiUnderTest::del(const std::string& path) const { return answer_of(connect(port_).Delete(path)); }
+
+Answer ApiUnderTest::post_batch(const std::string& path,
+                                const std::vector<std::pair<std::string, std::string>>& images) const {
+  httplib::MultipartFormDataItems items;
+  for (const auto& [name, bytes] : images) items.push_back({"image", bytes, name, "image/jpeg"});
+  return answer_of(connect(port_).Post(path, items));
+}
+
+contract::Json ApiUnderTest::finished_merge(std::int64_t id) {
+  services_.jobs().wait(id, std::chrono::seconds(30));
+  return get("/v1/merges/" + std::to_string(id)).json();
+}
+
+}  // namespace mapweld::test

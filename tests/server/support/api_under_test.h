@@ -1,0 +1,58 @@
+// The whole API over loopback, on services whose store a test can reach.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <httplib.h>
+
+#include "client/contract/json.h"
+#include "server/api/api.h"
+#include "server/http/http_server.h"
+#include "tests/server/support/services_under_test.h"
+
+namespace mapweld::test {
+
+struct Answer {
+  int status = 0;
+  httplib::Headers headers;
+  std::string body;
+
+  contract::Json json() const { return contract::parse_json(body); }
+  // Of a problem document; empty for any other answer.
+  std::string code() const;
+  std::string header(const std::string& name) const;
+};
+
+class ApiUnderTest {
+ public:
+  explicit ApiUnderTest(const server::HttpOptions& options = {}, const ServicesOptions& services = {});
+  ~ApiUnderTest();
+
+  ServicesUnderTest& services() { return services_; }
+  int port() const { return port_; }
+  bool ready = true;
+
+  // Any thread; a connection of its own each.
+  Answer get(const std::string& path) const;
+  Answer post(const std::string& path, const std::string& body, const std::string& type = "application/json") const;
+  Answer post_image(const std::string& path, const std::string& bytes) const { return post(path, bytes, "image/jpeg"); }
+  Answer del(const std::string& path) const;
+  // One part an image, file name and bytes.
+  Answer post_batch(const std::string& path, const std::vector<std::pair<std::string, std::string>>& images) const;
+
+  // Waits until a merge is at rest, or 30 s.
+  contract::Json finished_merge(std::int64_t id);
+
+ private:
+  ServicesUnderTest services_;
+  server::Metrics metrics_;
+  std::unique_ptr<server::HttpServer> http_;
+  int port_ = 0;
+  std::thread thread_;
+};
+
+}  // namespace mapweld::test

@@ -1,0 +1,121 @@
+#include "tests/server/support/services_under_test.h"
+
+#include "client/contract/problem.h"
+#include "core/errors.h"
+#include "core/geometry/epipolar_verifier.h"
+#include "server/services/hashing.h"
+#include "tests/server/support/test_photos.h"
+
+namespace mapweld::test {
+
+using namespace mapweld::server;
+
+namespace {
+
+MergeJobOptions job_options() {
+  MergeJobOptions options;
+  options.verifier = make_verifier;
+  return options;
+}
+
+}  // namespace
+
+struct ServicesUnderTest::Running {
+  Running(Store& store, const ServicesOptions& options)
+      : cache(store, options.cache_bytes),
+        opener(store, cache),
+        workers(options.workers),
+        vocabularies(store),
+        jobs(store, job_options()),
+        merges(store, jobs, opener),
+        maps(store, opener, vocabularies, [this](std::int64_t merge) { merges.remove(merge); }),
+        images(store, cache, vocabularies, workers, metrics, options.images),
+        localization(store, opener, vocabularies, workers, metrics),
+        quality(store) {
+    if (!vocabularies.set_default_from_store()) vocabularies.add("words", small_vocabulary().serialize());
+    jobs.start();
+  }
+
+  Metrics metrics;
+  MapCache cache;
+  MapOpener opener;
+  WorkerPool workers;
+  VocabularyService vocabularies;
+  MergeJobs jobs;
+  MergeService merges;
+  MapService maps;
+  ImageService images;
+  LocalizeService localization;
+  QualityService quality;
+};
+
+ServicesUnderTest::ServicesUnderTest(const ServicesOptions& options)
+    : options_(options), running_(std::make_unique<Running>(store_.store(), options)) {}
+ServicesUnderTest::~ServicesUnderTest() = default;
+
+void ServicesUnderTest::restart() {
+  running_.reset();
+  store_.reopen();
+  running_ = std::make_unique<Running>(store_.store(), options_);
+}
+
+VocabularyService& ServicesUnderTest::vocabularies() { return running_->vocabularies; }
+MapService& ServicesUnderTest::maps() { return running_->maps; }
+ImageService& ServicesUnderTest::images() { return running_->images; }
+LocalizeService& ServicesUnderTest::localization() { return running_->localization; }
+QualityService& ServicesUnderTest::quality() { return running_->quality; }
+MergeService& ServicesUnderTest::merges() { return running_->merges; }
+MergeJobs& ServicesUnderTest::jobs() { return running_->jobs; }
+MapCache& ServicesUnderTest::cache() { return running_->cache; }
+
+void ServicesUnderTest::create_map(const std::string& name) {
+  contract::CreateMap request;
+  request.name = name;
+  maps().create(request);
+}
+
+UploadOutcome ServicesUnderTest::upload(const std::string& map, const std::string& name, const std::string& bytes) {
+  ImageUpload image;
+  image.name = name;
+  image.bytes = {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()};
+  return images().upload(map, image, std::nullopt);
+}
+
+std::string dump_store(Store& store) {
+  const ReadTransaction db = store.read();
+  std::string out;
+  sqlite::Statement tables =
+      db.prepare("SELECT name FROM sqlite_schema WHERE type = 'table' AND name NOT LIKE 'sqlite_%' ORDER BY name");
+  while (tables.step()) {
+    const std::string table(tables.text(0));
+    std::vector<std::string> columns;
+    sqlite::Statement info = db.prepare("SELECT name FROM pragma_table_info('" + table + "')");
+    while (info.step()) columns.emplace_back(info.text(0));
+    std::string list;
+    for (const std::string& column : columns) list += (list.empty() ? "quote(" : ", quote(") + column + ")";
+    sqlite::Statement rows = db.prepare("SELECT " + list + " FROM " + table + " ORDER BY 1, 2");
+    std::string content;
+    while (rows.step()) {
+      for (int i = 0; i < static_cast<int>(columns.size()); ++i) content.append(rows.text(i)).append("|");
+      content += "\n";
+    }
+    const auto hash = sha256({reinterpret_cast<const std::uint8_t*>(content.data()), content.size()});
+    out += table + " " + std::to_string(std::count(content.begin(), content.end(), '\n')) + " " + to_hex(hash) + "\n";
+  }
+  return out;
+}
+
+std::string code_of(const std::function<void()>& call) {
+  try {
+    call();
+    return "none";
+  } catch (const contract::ContractError& error) {
+    return std::string(error.code().word());
+  } catch (const ImageError& error) {
+    return error.code();
+  } catch (const MergeJobError& error) {
+    return error.code();
+  }
+}
+
+}  // namespace mapweld::test
