@@ -8,6 +8,12 @@
 namespace mapweld::command {
 namespace {
 
+std::string whole_text(const contract::Quality& quality) {
+  if (quality.components > 1) return "0 of the whole, which is not connected";
+  return number_text(quality.algebraic_connectivity) + " of the whole, " +
+         number_text(quality.weighted_algebraic_connectivity) + " weighted by inliers";
+}
+
 int quality(const Context& context, const std::string& map) {
   const auto answer = context.connect().quality(map);
   if (context.json) {
@@ -22,8 +28,7 @@ int quality(const Context& context, const std::string& map) {
       {"largest component", count_text(quality.largest_component.vertices, "vertex", "vertices") +
                                 ", algebraic connectivity " +
                                 number_text(quality.largest_component.algebraic_connectivity)},
-      {"algebraic connectivity", number_text(quality.algebraic_connectivity) + " of the whole, " +
-                                     number_text(quality.weighted_algebraic_connectivity) + " weighted by inliers"},
+      {"algebraic connectivity", whole_text(quality)},
       {"minimum degree", std::to_string(quality.min_degree)},
       {"edge connectivity", std::to_string(quality.edge_connectivity)},
   };

@@ -67,19 +67,19 @@ std::vector<std::string> panel_lines(const contract::Merge& merge, const std::ve
   lines.push_back("Merge " + std::to_string(merge.id) + "  " + members_text(merge) + "  " + merge.method + "  " +
                   merge.state + "  " + merge.phase);
   if (merge.words.total > 0) {
-    lines.push_back("  words       " + bar(share(merge.words.done, merge.words.total), 24) + " " +
+    lines.push_back("  words         " + bar(share(merge.words.done, merge.words.total), 24) + " " +
                     std::to_string(merge.words.done) + " of " + std::to_string(merge.words.total));
   }
-  lines.push_back("  candidates  " + bar(share(merge.candidates.verified, merge.candidates.known), 24) + " " +
+  lines.push_back("  candidates    " + bar(share(merge.candidates.verified, merge.candidates.known), 24) + " " +
                   std::to_string(merge.candidates.verified) + " of " + std::to_string(merge.candidates.known) +
                   " verified, " + std::to_string(merge.candidates.accepted) + " accepted");
-  lines.push_back("  edges       " + std::to_string(merge.edges) + " between the maps, joining " + joined_text(merge) +
-                  " vertices");
-  lines.push_back("  components  " + std::to_string(merge.components) + ", the largest of " +
+  lines.push_back("  edges         " + std::to_string(merge.edges) + " between the maps, joining " +
+                  joined_text(merge) + " vertices");
+  lines.push_back("  components    " + std::to_string(merge.components) + ", the largest of " +
                   count_text(merge.largest_component.vertices, "vertex", "vertices"));
-  lines.push_back("  connectivity " + number_text(merge.largest_component.algebraic_connectivity) + " (largest)  " +
+  lines.push_back("  connectivity  " + number_text(merge.largest_component.algebraic_connectivity) + " (largest)  " +
                   sparkline(connectivity, 32));
-  std::string time = "  time        " + duration_text(merge.elapsed_s);
+  std::string time = "  time          " + duration_text(merge.elapsed_s);
   if (merge.budget.seconds || merge.budget.verifications || merge.budget.edges || merge.budget.fraction_of_maximum) {
     time += ", budget " + budget_text(merge.budget);
   }
@@ -118,9 +118,11 @@ std::optional<client::Answer<contract::Merge>> ask(client::Client& server, std::
 // Shows people what has become of the merge since the last call.
 class Display {
  public:
+  explicit Display(client::Client& server) : server_(server) {}
+
   void show(const contract::Merge& merge, bool last) {
-    history_.push_back(merge.largest_component.algebraic_connectivity);
     if (terminal_) {
+      remember(merge, last);
       panel_.draw(panel_lines(merge, history_));
       return;
     }
@@ -134,6 +136,18 @@ class Display {
   }
 
  private:
+  // The connectivity so far: the curve when the watching begins and when it ends, what is polled in between.
+  void remember(const contract::Merge& merge, bool last) {
+    if (history_.empty() || last) {
+      history_.clear();
+      for (const contract::CurvePoint& point : *server_.curve(merge.id)) {
+        history_.push_back(point.largest_component.algebraic_connectivity);
+      }
+    }
+    history_.push_back(merge.largest_component.algebraic_connectivity);
+  }
+
+  client::Client& server_;
   bool terminal_ = is_terminal(stdout);
   Panel panel_{stdout};
   std::vector<double> history_;
@@ -161,7 +175,7 @@ std::string outcome_text(const contract::Merge& merge) {
   } else {
     text += "is " + merge.state;
   }
-  text += " after " + duration_text(merge.elapsed_s) + ": " + count_text(merge.edges, "edge") + " between the maps, " +
+  text += " after " + duration_text(merge.elapsed_s) + ": " + count_text(merge.edges, "edge") + " between the maps.\n" +
           count_text(merge.components, "component") + ", the largest of " +
           count_text(merge.largest_component.vertices, "vertex", "vertices") + " with algebraic connectivity " +
           number_text(merge.largest_component.algebraic_connectivity) + ".";
@@ -170,7 +184,7 @@ std::string outcome_text(const contract::Merge& merge) {
 
 int watch(client::Client& server, std::int64_t id, WatchStyle style) {
   const InterruptFlag flag;
-  Display display;
+  Display display(server);
   std::string printed;
   bool answered = false;
   for (;;) {

@@ -211,10 +211,14 @@ std::string graph_svg(const std::string& name, const Graph& graph) {
   const Heading heading = heading_of(name, drawing);
   const Scale scale(drawing.layout, heading.bottom());
   const double stroke_px = scale.stroke_px;
+  // Many edges a vertex lie on top of one another: fainter ones still show how many.
+  const double fade = std::clamp(
+      std::sqrt(5.0 * static_cast<double>(graph.vertices.size() + 1) / static_cast<double>(drawing.edges.size() + 1)),
+      0.4, 1.0);
   std::string content = heading.content();
-  content += draw_edges(drawing, scale, is_inner, "inner", {kInnerColour, stroke_px, 0.55, false});
+  content += draw_edges(drawing, scale, is_inner, "inner", {kInnerColour, stroke_px, 0.55 * fade, false});
   content += draw_edges(drawing, scale, is_doubtful, "doubtful", {kInterColour, stroke_px, 0.5, true});
-  content += draw_edges(drawing, scale, is_join, "inter", {kInterColour, 1.25 * stroke_px, 0.75, false});
+  content += draw_edges(drawing, scale, is_join, "inter", {kInterColour, 1.25 * stroke_px, 0.75 * fade, false});
   content += draw_vertices(drawing, scale);
   const double page_height = heading.bottom() + scale.height_px + 2 * scale.radius_px + kMargin;
   return svg_document(2 * kMargin + kDrawingWidth, page_height, "The graph of map " + name, content);
