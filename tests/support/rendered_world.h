@@ -55,7 +55,7 @@ struct WorldOptions {
   std::uint64_t catalogue_seed = 1;
   int catalogue_posters = 400;  // no poster hangs twice by chance until all have been used
 
-  CameraModel camera;
+  CameraModel camera = {};
 };
 
 // How a robot's camera sees the world: its hour of the day, its sensor.

@@ -9,16 +9,18 @@
 namespace mapweld::rendered {
 ViewRecord::ViewRecord(const RenderedWorld& world, const Pose& pose) : pose_(pose), camera_(world.options().camera) {
   if (camera_.width_px % kScale != 0 || camera_.height_px % kScale != 0) {
-    throw std::invalid_argument("co-visibility needs images of a multiple of 4 pixels");
+    throw std::invalid_argument("co-visibility needs images of an even number of pixels");
   }
   const Frame frame = world.render_geometry(pose, kScale);
   const int width = frame.surface.cols;
   const int height = frame.surface.rows;
-  surfaces_.assign(frame.surface.ptr<int>(), frame.surface.ptr<int>() + width * height);
-  for (const std::int32_t surface : surfaces_) {
-    if (surface < 0) continue;
-    const std::uint64_t bit = mix(static_cast<std::uint64_t>(surface)) % 512;
-    signature_[bit / 64] |= std::uint64_t{1} << (bit % 64);
+  const auto short_name = [](int surface) {
+    return static_cast<std::uint16_t>(mix(static_cast<std::uint64_t>(surface) + 1) & 0xffffU);
+  };
+  surfaces_.reserve(static_cast<std::size_t>(width * height));
+  for (int i = 0; i < width * height; ++i) surfaces_.push_back(short_name(frame.surface.ptr<int>()[i]));
+  for (const std::uint16_t surface : surfaces_) {
+    signature_[surface % 512 / 64] |= std::uint64_t{1} << (surface % 64);
   }
 
   const double ch = cos_deg(pose.heading_deg);
@@ -49,7 +51,7 @@ ViewRecord::ViewRecord(const RenderedWorld& world, const Pose& pose) : pose_(pos
         point[c] = static_cast<float>(
             centre[c] + z * (axes[2][c] + axes[0][c] * px / camera_.focal_px + axes[1][c] * py / camera_.focal_px));
       }
-      points_.push_back({point[0], point[1], point[2], surface});
+      points_.push_back({point[0], point[1], point[2], short_name(surface)});
     }
   }
 }

@@ -10,7 +10,7 @@
 
 namespace mapweld::rendered {
 
-// What one image sees, coarsely: enough to tell what it shares with others. About 40 kB.
+// What one image sees, coarsely: enough to tell what it shares with others. About 50 kB.
 class ViewRecord {
  public:
   ViewRecord() = default;
@@ -24,17 +24,18 @@ class ViewRecord {
 
   static constexpr int kPointsAcross = 32;
   static constexpr int kPointsDown = 24;
-  static constexpr int kScale = 4;  // the grid of surfaces is so many times coarser than the image
+  static constexpr int kScale = 2;  // the grid of surfaces is so many times coarser than the image
 
   struct Point {
     float x, y, z;
-    std::int32_t surface;
+    std::uint16_t surface;
   };
   Pose pose_;
   CameraModel camera_;
-  std::array<float, 12> to_camera_{};         // rotation and translation: right, down, forward
+  std::array<float, 12> to_camera_{};  // rotation and translation: right, down, forward
+  // Surfaces go by a hash of 16 bits here: half the memory, and one collision in 65536.
   std::vector<Point> points_;                 // what 32 x 24 pixels, evenly spread, see
-  std::vector<std::int32_t> surfaces_;        // surface seen at each place of the coarse grid
+  std::vector<std::uint16_t> surfaces_;       // seen at each place of the coarse grid
   std::array<std::uint64_t, 8> signature_{};  // a Bloom filter of the surfaces seen
 };
 

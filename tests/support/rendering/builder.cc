@@ -32,6 +32,7 @@ void Builder::add(const Vec3& corner, const Vec3& across, const Vec3& down, doub
     if (skin.tile_down_m > 0) {
       surface.v_per_m = 1 / skin.tile_down_m;
       surface.u_offset = skin.u_offset;
+      surface.v_offset = skin.v_offset;
     } else {
       // Different boxes of one material show different parts of it.
       Random random(hash_of(width * 1000, height * 1000, corner.z * 1000));

@@ -35,6 +35,7 @@ struct Skin {
   Glow glow = Glow::kNone;
   double tile_down_m = 0;  // 0: as across, and the material begins anywhere
   double u_offset = 0;     // where the material begins, if tile_down_m is given
+  double v_offset = 0;
 };
 
 struct BoxSkin {
@@ -50,10 +51,10 @@ class Builder {
   Builder(Catalogue& catalogue, Cell& cell) : catalogue_(catalogue), cell_(cell) {}
 
   Skin fitted(Design design, std::uint64_t index, Glow glow = Glow::kNone) {
-    return {catalogue_.texture(design, index), 0, glow, 0, 0};
+    return {catalogue_.texture(design, index), 0, glow, 0, 0, 0};
   }
   Skin tiled(Design design, std::uint64_t index, double tile_m = 1.0) {
-    return {catalogue_.texture(design, index), tile_m, Glow::kNone, 0, 0};
+    return {catalogue_.texture(design, index), tile_m, Glow::kNone, 0, 0, 0};
   }
 
   // A vertical rectangle parallel to the wall at distance t, seen from the room.

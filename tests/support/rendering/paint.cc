@@ -113,26 +113,14 @@ void print_lines(cv::Mat& canvas, double x, double y, double width, double heigh
   }
 }
 
-double value_noise(double x, double y, int across, int down, std::uint64_t seed) {
-  const double fx = std::floor(x);
-  const double fy = std::floor(y);
-  const int x0 = ((static_cast<int>(fx) % across) + across) % across;
-  const int y0 = ((static_cast<int>(fy) % down) + down) % down;
-  const int x1 = (x0 + 1) % across;
-  const int y1 = (y0 + 1) % down;
-  const auto lattice = [seed](int i, int j) {
-    return static_cast<double>(mix(seed ^ (static_cast<std::uint64_t>(i) << 32 | static_cast<std::uint64_t>(j))) >>
-                               11) *
-               0x1.0p-52 -
-           1;
-  };
-  double tx = x - fx;
-  double ty = y - fy;
-  tx = tx * tx * (3 - 2 * tx);
-  ty = ty * ty * (3 - 2 * ty);
-  const double upper = lattice(x0, y0) * (1 - tx) + lattice(x1, y0) * tx;
-  const double lower = lattice(x0, y1) * (1 - tx) + lattice(x1, y1) * tx;
-  return upper * (1 - ty) + lower * ty;
+NoiseField::NoiseField(int across, int down, std::uint64_t seed) : across_(across), down_(down) {
+  lattice_.reserve(static_cast<std::size_t>(across) * static_cast<std::size_t>(down));
+  for (int j = 0; j < down; ++j) {
+    for (int i = 0; i < across; ++i) {
+      const std::uint64_t bits = mix(seed ^ (static_cast<std::uint64_t>(i) << 32 | static_cast<std::uint64_t>(j)));
+      lattice_.push_back(static_cast<double>(bits >> 11) * 0x1.0p-52 - 1);
+    }
+  }
 }
 
 void add_noise(cv::Mat& canvas, double cell_px, double amplitude, std::uint64_t seed) {
@@ -140,14 +128,15 @@ void add_noise(cv::Mat& canvas, double cell_px, double amplitude, std::uint64_t 
   // Whole numbers of cells across and down, so that the picture tiles.
   const int across = std::max(1, static_cast<int>(std::lround(canvas.cols / cell_px)));
   const int down = std::max(1, static_cast<int>(std::lround(canvas.rows / cell_px)));
+  const NoiseField coarse(across, down, seed);
+  const NoiseField fine(2 * across, 2 * down, seed + 1);
   for (int y = 0; y < canvas.rows; ++y) {
     std::uint8_t* row = canvas.ptr(y);
+    const double v = static_cast<double>(y) * down / canvas.rows;
     for (int x = 0; x < canvas.cols; ++x) {
       const double u = static_cast<double>(x) * across / canvas.cols;
-      const double v = static_cast<double>(y) * down / canvas.rows;
-      const double value =
-          0.6 * value_noise(u, v, across, down, seed) + 0.4 * value_noise(2 * u, 2 * v, 2 * across, 2 * down, seed + 1);
-      const int delta = static_cast<int>(std::lround(amplitude * value));
+      const double value = amplitude * (0.6 * coarse.at(u, v) + 0.4 * fine.at(2 * u, 2 * v));
+      const int delta = static_cast<int>(value + 1024.5) - 1024;
       for (int c = 0; c < 3; ++c) {
         std::uint8_t& pixel = row[x * channels + c];
         pixel = static_cast<std::uint8_t>(std::clamp(static_cast<int>(pixel) + delta, 0, 255));

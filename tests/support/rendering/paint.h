@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
@@ -38,8 +39,32 @@ void text(cv::Mat& canvas, const std::string& words, double x, double y, double 
 void print_lines(cv::Mat& canvas, double x, double y, double width, double height, double line, const Colour& colour,
                  Random& random);
 
-// Smooth noise in [-1, 1] on a lattice that wraps round after `across` x `down` cells.
-double value_noise(double x, double y, int across, int down, std::uint64_t seed);
+// Smooth noise in [-1, 1] on a lattice of `across` x `down` cells that wraps round. x, y >= 0.
+class NoiseField {
+ public:
+  NoiseField(int across, int down, std::uint64_t seed);
+  double at(double x, double y) const {
+    const int column = static_cast<int>(x);
+    const int row = static_cast<int>(y);
+    const int x0 = column % across_;
+    const int y0 = row % down_;
+    const int x1 = x0 + 1 == across_ ? 0 : x0 + 1;
+    const int y1 = y0 + 1 == down_ ? 0 : y0 + 1;
+    double tx = x - column;
+    double ty = y - row;
+    tx = tx * tx * (3 - 2 * tx);
+    ty = ty * ty * (3 - 2 * ty);
+    const double upper = lattice(x0, y0) * (1 - tx) + lattice(x1, y0) * tx;
+    const double lower = lattice(x0, y1) * (1 - tx) + lattice(x1, y1) * tx;
+    return upper * (1 - ty) + lower * ty;
+  }
+
+ private:
+  double lattice(int x, int y) const { return lattice_[static_cast<std::size_t>(y * across_ + x)]; }
+  int across_;
+  int down_;
+  std::vector<double> lattice_;
+};
 // Adds `amplitude` grey levels of noise with cells of `cell_px` and an octave finer. Tiles seamlessly.
 void add_noise(cv::Mat& canvas, double cell_px, double amplitude, std::uint64_t seed);
 

@@ -175,10 +175,10 @@ cv::Mat paint_laminate(Random& random) {
   if (style == 0) {  // wood
     const Colour colour = Hsv{random.uniform(20, 40), random.uniform(0.3, 0.6), random.uniform(0.45, 0.8)};
     cv::Mat wood = canvas(size, size, colour);
-    const std::uint64_t seed = random.next();
+    const NoiseField grain(4, 32, random.next());
     for (int y = 0; y < size; ++y) {
       for (int x = 0; x < size; ++x) {
-        const double v = value_noise(x * 4.0 / size, y * 32.0 / size, 4, 32, seed);
+        const double v = grain.at(x * 4.0 / size, y * 32.0 / size);
         cv::Vec3b& pixel = wood.at<cv::Vec3b>(y, x);
         for (int c = 0; c < 3; ++c) {
           pixel[c] = static_cast<std::uint8_t>(std::clamp(static_cast<int>(pixel[c] + 14 * v), 0, 255));
@@ -187,9 +187,10 @@ cv::Mat paint_laminate(Random& random) {
     }
     return wood;
   }
-  cv::Mat plain = canvas(size, size,
-                         style == 1 ? Hsv{random.uniform(0, 360), random.uniform(0.0, 0.1), random.uniform(0.7, 0.9)}
-                                    : Hsv{random.uniform(0, 360), random.uniform(0.1, 0.6), random.uniform(0.3, 0.7)});
+  cv::Mat plain =
+      canvas(size, size,
+             style == 1 ? Hsv{random.uniform(0, 360), random.uniform(0.0, 0.1), random.uniform(0.7, 0.9)}
+                        : Hsv{random.uniform(0, 360), random.uniform(0.05, 0.35), random.uniform(0.35, 0.75)});
   add_noise(plain, 30, 4, random.next());
   return plain;
 }
@@ -208,7 +209,7 @@ cv::Mat paint_material(Design design, Random& random) {
       return paint_laminate(random);
     case Design::kFabric: {
       const double hue = random.uniform(0, 360);
-      const double saturation = random.uniform(0.1, 0.8);
+      const double saturation = random.uniform(0.1, 0.55);
       cv::Mat fabric = canvas(128, 128, Hsv{hue, saturation, random.uniform(0.2, 0.7)});
       add_noise(fabric, 3, 12, random.next());
       return fabric;

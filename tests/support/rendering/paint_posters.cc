@@ -53,9 +53,10 @@ void hills(cv::Mat& c, Random& random) {
     std::vector<cv::Point> line{{0, c.rows}};
     const double base = c.rows * (0.35 + 0.6 * r / ranges);
     const std::uint64_t seed = random.next();
+    const NoiseField coarse(64, 64, seed);
+    const NoiseField fine(64, 64, seed + 1);
     for (int x = 0; x <= c.cols; x += 6) {
-      const double y = base + c.rows * (0.13 * value_noise(x / 90.0, r, 64, 64, seed) +
-                                        0.05 * value_noise(x / 22.0, r, 64, 64, seed + 1));
+      const double y = base + c.rows * (0.13 * coarse.at(x / 90.0, r) + 0.05 * fine.at(x / 22.0, r));
       line.emplace_back(x, static_cast<int>(y));
     }
     line.emplace_back(c.cols, c.rows);

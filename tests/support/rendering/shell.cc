@@ -48,8 +48,12 @@ void build_floor_and_ceiling(Builder& b, const ShellDesigns& designs) {
   const Span t{0, area.height()};
   Skin floor = b.tiled(Design::kFloor, designs.floor, 2.0);
   floor.tile_down_m = 2.0;
-  Skin ceiling = b.tiled(Design::kCeiling, 0, 2.4);
+  Skin ceiling = b.tiled(Design::kCeiling, designs.ceiling, 2.4);
   ceiling.tile_down_m = 2.4;
+  floor.u_offset = designs.offset;
+  floor.v_offset = designs.offset * 7;
+  ceiling.u_offset = designs.offset * 3;
+  ceiling.v_offset = designs.offset * 5;
   b.sheet(frame, s, t, 0, floor);
   b.sheet(frame, s, t, b.cell().height_m, ceiling, false);
 }
@@ -60,7 +64,7 @@ void build_wall(Builder& b, const Wall& wall, const ShellDesigns& designs) {
   skin.tile_down_m = height;
   const Skin jamb = b.tiled(Design::kPaint, designs.paint, 0.5);
   const auto piece = [&](const Span& s, double top, double bottom) {
-    skin.u_offset = s.from / 4.0;
+    skin.u_offset = s.from / 4.0 + designs.offset;
     b.panel(wall.frame, s, 0, {bottom, top}, skin);
   };
   std::vector<Opening> openings = wall.openings;

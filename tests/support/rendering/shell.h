@@ -40,6 +40,8 @@ struct ShellDesigns {
   std::uint64_t wall = 0;
   std::uint64_t floor = 0;
   std::uint64_t paint = 0;  // of frames
+  std::uint64_t ceiling = 0;
+  double offset = 0;  // 0..1: where on the walls, floor and ceiling their materials begin
 };
 
 // Floor and ceiling.

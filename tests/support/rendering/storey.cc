@@ -58,6 +58,8 @@ class Mason {
     designs.wall = static_cast<std::uint64_t>(random.below(24));
     designs.floor = hash_of(options_.seed, 42) % 12;
     designs.paint = static_cast<std::uint64_t>(random.below(12));
+    designs.ceiling = static_cast<std::uint64_t>(random.below(4));
+    designs.offset = random.uniform();
     return designs;
   }
 
@@ -106,11 +108,11 @@ class Mason {
     }
     furnisher_.dress(builder, walls[0], k, 0);
     furnisher_.dress(builder, walls[1], k, 1);
-    hang_exit_signs(builder, area);
+    hang_exit_signs_and_cables(builder, area, hash_of(options_.seed, 47, reference_corridor(k)));
     finish(builder, walls, designs, 2.6, 1, reference_corridor(k));
   }
 
-  void hang_exit_signs(Builder& builder, const Area& area) {
+  void hang_exit_signs_and_cables(Builder& builder, const Area& area, std::uint64_t look) {
     const Skin sign = builder.fitted(Design::kExitSign, options_.seed % 4, Glow::kScreen);
     const Skin edge = builder.tiled(Design::kMetal, 0);
     for (double x = area.x0 + 4; x < area.x1 - 2; x += 9) {
@@ -120,14 +122,14 @@ class Mason {
     }
     // A tray of cables along one side, a pipe along the other.
     const WallFrame frame = WallFrame::facing({area.x0, area.y1, 0}, {0, -1, 0});
-    Skin cables = builder.tiled(Design::kCables, options_.seed % 3, 1.0);
+    Skin cables = builder.tiled(Design::kCables, hash_of(look, 1) % 5, 1.0);
     cables.tile_down_m = 0.16;
     const BoxSkin pipe = all_over(builder.tiled(Design::kPaint, 5, 0.5));
     const double length = area.width();
     const double across = area.height();
     for (double s = 0.05; s < length - 0.1; s += 2.0) {
       const Span run{s, std::min(s + 2.0, length - 0.05)};
-      cables.u_offset = static_cast<double>(hash_of(s * 10) % 100) * 0.01;
+      cables.u_offset = static_cast<double>(hash_of(options_.seed, look, s * 10) % 100) * 0.01;
       builder.box(frame, run, {0.12, 0.34}, {2.5, 2.66}, {cables, edge, edge, cables}, true);
       builder.box(frame, run, {across - 0.2, across - 0.12}, {2.6, 2.68}, pipe, true);
       builder.box(frame, {s, s + 0.06}, {across - 0.23, across - 0.09}, {2.57, 2.8}, all_over(edge), true);
@@ -154,7 +156,7 @@ class Mason {
       inner.openings.push_back({s, plan_.storey_height_m, static_cast<int>(k), 0});
       inner.taken.push_back({s, {0, plan_.storey_height_m}});
     }
-    Random random(hash_of(options_.seed, 44, options_.storey, side));
+    Random random(furnisher_.place_seed(name, 2, 0));
     for (double s = 1.2; s < outer.length_m - 1.7; s += 4.5) {
       furnisher_.place(builder, outer, Piece::kWindow, s, hash_of(options_.seed, 45, side, s), random);
     }
@@ -180,6 +182,8 @@ class Mason {
     designs.wall = static_cast<std::uint64_t>(random.below(60));
     designs.floor = static_cast<std::uint64_t>(random.below(12));
     designs.paint = corridor_designs(room.corridor).paint;
+    designs.ceiling = static_cast<std::uint64_t>(random.below(4));
+    designs.offset = random.uniform();
 
     std::array<Wall, 4> walls{wall_of(room.area, Side::kSouth), wall_of(room.area, Side::kNorth),
                               wall_of(room.area, Side::kWest), wall_of(room.area, Side::kEast)};
