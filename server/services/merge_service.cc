@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "client/contract/problem.h"
+#include "core/mapping/localizer.h"
 #include "schema/map_store.h"
 #include "schema/merge_store.h"
 #include "server/services/times.h"
@@ -134,6 +135,11 @@ contract::Merge MergeService::submit(const contract::SubmitMerge& request) {
   merge.name = request.name.value_or(contract::default_merge_name(request.maps));
   if (request.method) merge.method = *request.method;
   merge.seed = static_cast<std::uint64_t>(request.seed.value_or(0));
+  // Pairs of different maps are judged as pairs of one map are, unless the request says otherwise.
+  const MapParameters mapping;
+  merge.parameters.min_votes = mapping.min_votes;
+  merge.parameters.min_inliers = mapping.min_inliers;
+  merge.parameters.votes = mapping.votes;
   if (request.parameters) {
     const contract::MergeParameters& from = *request.parameters;
     MergeParameters& to = merge.parameters;
