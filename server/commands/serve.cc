@@ -93,7 +93,9 @@ void serve(const ServerConfig& config) {
   cv::setNumThreads(0);  // one image a thread
   StopSignal signal;
   Server server(config);
-  const std::string url = "http://" + config.http.host + ":" + std::to_string(server.port());
+  const bool ipv6 = config.http.host.find(':') != std::string::npos;
+  const std::string host = ipv6 ? "[" + config.http.host + "]" : config.http.host;
+  const std::string url = "http://" + host + ":" + std::to_string(server.port());
   spdlog::info("mapweld-server {} over {}", version(), config.data.string());
   std::cout << "listening on " << url << std::endl;
   signal.watch(server);

@@ -19,8 +19,7 @@ std::uint64_t shown_revision(const Reader& db, const MapLayout& layout) {
   return revision;
 }
 
-std::unique_ptr<MapSnapshot> MapOpener::open(const Reader& db, const MapRow& map) {
-  MapLayout layout = load_layout(db, map.id);
+std::unique_ptr<MapSnapshot> MapOpener::open(const Reader& db, const MapLayout& layout) {
   std::map<MapId, std::shared_ptr<const LeafSource>> opened;
   std::vector<std::shared_ptr<const LeafSource>> leaves;
   for (const MapLayout::LeafSpan& span : layout.leaf_spans()) {
@@ -28,8 +27,8 @@ std::unique_ptr<MapSnapshot> MapOpener::open(const Reader& db, const MapRow& map
     if (!leaf) leaf = open_leaf(db, span.leaf);
     leaves.push_back(leaf);
   }
-  std::shared_ptr<const InterEdges> inter = map.kind == MapKind::kMerged ? inter_edges(db, layout) : nullptr;
-  return std::make_unique<MapSnapshot>(std::move(layout), std::move(leaves), std::move(inter));
+  const bool merged = layout.nodes().front().kind == MapKind::kMerged;
+  return std::make_unique<MapSnapshot>(layout, std::move(leaves), merged ? inter_edges(db, layout) : nullptr);
 }
 
 std::shared_ptr<const LeafSource> MapOpener::open_leaf(const Reader& db, MapId leaf) {

@@ -7,7 +7,7 @@
 
 namespace mapweld::server {
 
-MapSnapshot::MapSnapshot(MapLayout layout, std::vector<std::shared_ptr<const LeafSource>> leaves,
+MapSnapshot::MapSnapshot(const MapLayout& layout, std::vector<std::shared_ptr<const LeafSource>> leaves,
                          std::shared_ptr<const InterEdges> inter)
     : vertices_(layout.vertices()), inter_(std::move(inter)) {
   for (std::size_t i = 0; i < layout.leaf_spans().size(); ++i) {

@@ -21,7 +21,7 @@ struct InterEdges {
 class MapSnapshot final : public MapView, private PostingSource {
  public:
   // `leaves[i]` is where the layout's leaf span i is read from. `inter` may be null.
-  MapSnapshot(MapLayout layout, std::vector<std::shared_ptr<const LeafSource>> leaves,
+  MapSnapshot(const MapLayout& layout, std::vector<std::shared_ptr<const LeafSource>> leaves,
               std::shared_ptr<const InterEdges> inter);
 
   // A plain map of `vertices` vertices.

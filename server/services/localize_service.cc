@@ -44,13 +44,14 @@ contract::Localization LocalizeService::localize(const std::string& map_name, co
   contract::Localization answer;
   try {
     map = require_map(db, map_name);
-    const std::unique_ptr<MapSnapshot> view = opener_.open(db, map);
     const MapLayout layout = load_layout(db, map.id);
+    const std::unique_ptr<MapSnapshot> view = opener_.open(db, layout);
     const auto verifier = make_verifier({.min_inliers = parameters.min_inliers});
     const TimedVerifier timed(*verifier);
+    const Stopwatch search;
     const Localization found = mapweld::localize(*image.vector, *view, timed, parameters);
     metrics_.stage(Stage::kVerify).record(timed.elapsed_s());
-    metrics_.stage(Stage::kVote).record(watch.elapsed_s() - timed.elapsed_s());
+    metrics_.stage(Stage::kVote).record(search.elapsed_s() - timed.elapsed_s());
 
     answer.status = to_string(found.status);
     if (found.reason != Reason::kNone) answer.reason = std::string(to_string(found.reason));
