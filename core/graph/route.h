@@ -13,6 +13,7 @@ namespace mapweld {
 struct Route {
   std::vector<VertexId> vertices;  // from .. to, both included
   std::uint32_t min_weight = 0;    // of its weakest edge; 0 for a route of one vertex
+  friend bool operator==(const Route&, const Route&) = default;
 };
 
 // The widest path, the one whose weakest edge is strongest; of several the one with the fewest edges, then the one that
