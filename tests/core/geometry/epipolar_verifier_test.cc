@@ -218,6 +218,33 @@ TEST(EpipolarVerifier, OptionsDecide) {
   EXPECT_EQ(rarer.log10_false_alarms, v.log10_false_alarms);
 }
 
+// The same scene, its features drawn together to a share of the image: one small object, seen twice.
+AppearanceVector shrunk(AppearanceVector image, float share) {
+  const float cx = 0.5f * static_cast<float>(image.width_px);
+  const float cy = 0.5f * static_cast<float>(image.height_px);
+  for (Appearance& p : image.appearances) {
+    p.x_px = std::round(8 * (cx + share * (p.x_px - cx))) / 8;
+    p.y_px = std::round(8 * (cy + share * (p.y_px - cy))) / 8;
+    p.scale_px *= share;
+  }
+  std::ranges::sort(image.appearances);
+  return image;
+}
+
+TEST(EpipolarVerifier, OneSmallObjectIsNoPlace) {
+  const TwoViewScene scene =
+      make_scene({.seed = 61, .points = 40, .outliers = 0, .clutter = 0, .noise_px = 0, .flat = true});
+  const EpipolarVerifier verifier;
+  const Verification whole = verifier.verify(scene.a, scene.b);
+  ASSERT_TRUE(whole.accepted);
+  const Verification small = verifier.verify(shrunk(scene.a, 0.2f), shrunk(scene.b, 0.2f));
+  EXPECT_FALSE(small.accepted);
+  EXPECT_EQ(small.reason, Reason::kNotSignificant);
+  EXPECT_GE(small.inliers, 10);
+  // Small in one image only: somebody went closer.
+  EXPECT_TRUE(verifier.verify(shrunk(scene.a, 0.4f), scene.b).accepted);
+}
+
 // docs/verification.md reports 100,000 pairs of each layout; here is a sample of them.
 TEST(EpipolarVerifier, ChanceIsNotAccepted) {
   const EpipolarVerifier verifier({.min_inliers = kFewestInliers});
