@@ -11,6 +11,11 @@
 
 #include <graphviz/gvc.h>
 
+#ifdef __SANITIZE_ADDRESS__
+// Graphviz never frees what it reads of its configuration.
+extern "C" const char* __lsan_default_suppressions() { return "leak:libgvc.so\n"; }
+#endif
+
 namespace mapweld::drawing {
 namespace {
 
