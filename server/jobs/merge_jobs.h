@@ -43,8 +43,8 @@ struct MergeBudget {
 };
 
 struct MergeParameters {
-  std::uint32_t min_votes = 12;    // 1 .. 65535
-  int min_inliers = 12;            // 4 .. 65535
+  std::uint32_t min_votes = 10;    // 1 .. 65535
+  int min_inliers = 10;            // 4 .. 65535
   double max_false_alarms = 1e-6;  // > 0
   VoteRule votes = VoteRule::kMin;
   bool alias_guard = false;  // not offered yet: true is invalid_parameter
