@@ -25,6 +25,9 @@ using contract::ContractError;
 constexpr std::size_t kStreamBytes = 64 * 1024;  // pieces in which a streamed body is sent
 constexpr int kListenBacklog = 256;              // the library's own is 5
 
+// How long a new connection may keep its thread without a request while others wait; a used one gives it up at once.
+constexpr double kFirstRequestPatience_s = 1;
+
 // The connection that this thread serves, and what is to be known of its present request.
 struct Current {
   Connection* connection = nullptr;
@@ -37,11 +40,11 @@ thread_local Current* current = nullptr;
 // Set on the accepting thread while a connection is turned away.
 thread_local bool turning_away = false;
 
-// A fixed number of threads and a bounded queue before them.
+// A fixed number of threads and a bounded queue before them. `crowd`: connections that wait, less threads that do.
 class BoundedTaskQueue final : public httplib::TaskQueue {
  public:
-  BoundedTaskQueue(int threads, std::size_t max_waiting, std::atomic<int>& waiting)
-      : max_waiting_(max_waiting), waiting_(waiting) {
+  BoundedTaskQueue(int threads, std::size_t max_waiting, std::atomic<int>& crowd)
+      : max_waiting_(max_waiting), crowd_(crowd) {
     for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
   }
 
@@ -50,7 +53,7 @@ class BoundedTaskQueue final : public httplib::TaskQueue {
       const std::lock_guard lock(mutex_);
       if (tasks_.size() < max_waiting_) {
         tasks_.push_back(std::move(task));
-        ++waiting_;
+        ++crowd_;
         wake_.notify_one();
         return;
       }
@@ -75,18 +78,18 @@ class BoundedTaskQueue final : public httplib::TaskQueue {
       std::function<void()> task;
       {
         std::unique_lock lock(mutex_);
+        --crowd_;
         wake_.wait(lock, [this] { return stopping_ || !tasks_.empty(); });
         if (tasks_.empty()) return;
         task = std::move(tasks_.front());
         tasks_.pop_front();
-        --waiting_;
       }
       task();
     }
   }
 
   const std::size_t max_waiting_;
-  std::atomic<int>& waiting_;
+  std::atomic<int>& crowd_;
   std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<std::function<void()>> tasks_;
@@ -155,7 +158,7 @@ class HttpServer::Impl final : public httplib::Server {
  public:
   Impl(const HttpOptions& options, Router router, Metrics& metrics)
       : options_(options), router_(std::move(router)), metrics_(metrics), bodies_(options.max_bodies_bytes) {
-    new_task_queue = [this] { return new BoundedTaskQueue(options_.threads, options_.max_waiting, waiting_); };
+    new_task_queue = [this] { return new BoundedTaskQueue(options_.threads, options_.max_waiting, crowd_); };
     set_tcp_nodelay(true);
     set_keep_alive_timeout(std::max(1, options_.connection.idle_timeout_ms / 1000));
     set_keep_alive_max_count(static_cast<std::size_t>(options_.max_requests_per_connection));
@@ -227,7 +230,9 @@ class HttpServer::Impl final : public httplib::Server {
     request.connection = &connection;
     current = &request;
     for (int served = 0; served < options_.max_requests_per_connection; ++served) {
-      if (!connection.wait_for_request([this] { return waiting_ > 0; })) break;
+      const Stopwatch idle;
+      const double patience_s = served == 0 ? kFirstRequestPatience_s : 0;
+      if (!connection.wait_for_request([&] { return crowd_ > 0 && idle.elapsed_s() >= patience_s; })) break;
       request.request_id = next_request_id();
       request.route.clear();
       request.watch = Stopwatch();
@@ -366,9 +371,9 @@ class HttpServer::Impl final : public httplib::Server {
     const double elapsed_s = current->watch.elapsed_s();
     metrics_.count_request(request.method, current->route.empty() ? "none" : current->route, response.status,
                            elapsed_s);
-    spdlog::log(response.status == 500 || response.status == 507 ? spdlog::level::warn : spdlog::level::debug,
-                "{} {} {} {} {:.1f} ms", current->request_id, request.method, request.target, response.status,
-                elapsed_s * 1e3);
+    log_->log(response.status == 500 || response.status == 507 ? spdlog::level::warn : spdlog::level::debug,
+              "{} {} {} {} {:.1f} ms", current->request_id, request.method, request.target, response.status,
+              elapsed_s * 1e3);
   }
 
   std::string next_request_id() {
@@ -381,9 +386,10 @@ class HttpServer::Impl final : public httplib::Server {
   const HttpOptions options_;
   const Router router_;
   Metrics& metrics_;
+  const std::shared_ptr<spdlog::logger> log_ = spdlog::default_logger();
   BodyBudget bodies_;
   std::atomic<bool> draining_{false};
-  std::atomic<int> waiting_{0};
+  std::atomic<int> crowd_{0};
   bool bound_ = false;
   bool served_ = false;
   std::atomic<std::uint64_t> requests_{0};

@@ -67,6 +67,7 @@ QualityService& ServicesUnderTest::quality() { return running_->quality; }
 MergeService& ServicesUnderTest::merges() { return running_->merges; }
 MergeJobs& ServicesUnderTest::jobs() { return running_->jobs; }
 MapCache& ServicesUnderTest::cache() { return running_->cache; }
+Metrics& ServicesUnderTest::metrics() { return running_->metrics; }
 
 void ServicesUnderTest::create_map(const std::string& name) {
   contract::CreateMap request;

@@ -43,6 +43,7 @@ class ServicesUnderTest {
   server::MergeService& merges();
   server::MergeJobs& jobs();
   server::MapCache& cache();
+  server::Metrics& metrics();
 
   // A map with default parameters.
   void create_map(const std::string& name);
