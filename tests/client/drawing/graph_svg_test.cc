@@ -153,5 +153,32 @@ TEST(Strands, MapsThatRunTogetherComeToLieSideBySide) {
   for (std::size_t v = 0; v + 1 < 200; ++v) EXPECT_LT(distance(layout.positions[v], layout.positions[v + 1]), 3) << v;
 }
 
+// Round a block, whichever way it is drawn, the strands never change sides.
+TEST(Strands, KeepTheirSideAllTheWayRound) {
+  constexpr std::size_t kRound = 160;
+  std::vector<LayoutEdge> edges;
+  for (std::size_t i = 0; i < kRound; ++i) {
+    for (const std::size_t step : {1U, 2U}) {
+      edges.push_back({i, (i + step) % kRound});
+      edges.push_back({kRound + i, kRound + (i + step) % kRound});
+    }
+    edges.push_back({i, kRound + i});
+  }
+  std::vector<std::size_t> group(2 * kRound, 0);
+  std::fill(group.begin() + kRound, group.end(), 1);
+  Layout layout = layout_graph(2 * kRound, edges);
+  separate_strands(layout, group, edges);
+  std::size_t left = 0;  // places where the second map lies on the left of the first one's way
+  for (std::size_t i = 0; i < kRound; ++i) {
+    const Position& from = layout.positions[(i + kRound - 4) % kRound];
+    const Position& to = layout.positions[(i + 4) % kRound];
+    const Position& here = layout.positions[i];
+    const Position& other = layout.positions[kRound + i];
+    if ((to.x - from.x) * (other.y - here.y) > (to.y - from.y) * (other.x - here.x)) ++left;
+  }
+  // All but a few, where the ring is drawn across itself and has no direction.
+  EXPECT_TRUE(left <= kRound / 20 || left >= kRound - kRound / 20) << left << " of " << kRound;
+}
+
 }  // namespace
 }  // namespace mapweld::drawing
