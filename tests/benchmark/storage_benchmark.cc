@@ -113,6 +113,7 @@ class StorageBenchmark {
     start("file not in the page cache", true);
     without_segments();
     check();
+    remove();
   }
 
  private:
@@ -236,6 +237,17 @@ class StorageBenchmark {
     for (const Finding& finding : report.findings) {
       std::printf("  FOUND %s: %s\n", finding.where.c_str(), finding.what.c_str());
     }
+  }
+
+  void remove() {
+    DataFolder data(folder_);
+    Times times;
+    const Moment begin = now();
+    WriteTransaction db = data.store().write();
+    delete_map(db, map_);
+    db.commit();
+    times.add(begin);
+    print("delete the map", times);
   }
 
   std::filesystem::path folder_;

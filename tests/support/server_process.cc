@@ -1,15 +1,15 @@
 #include "tests/support/server_process.h"
 
+#include <chrono>
+#include <regex>
+#include <stdexcept>
+
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <chrono>
-#include <regex>
-#include <stdexcept>
 
 namespace mapweld::testing {
 namespace {
@@ -44,8 +44,8 @@ int exit_code(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128
 }  // namespace
 
 ServerProcess::ServerProcess(const std::filesystem::path& data_folder, std::vector<std::string> extra_arguments) {
-  std::vector<std::string> command = {MAPWELD_SERVER_BINARY, "serve",  "--data",  data_folder.string(),
-                                      "--host",              "127.0.0.1", "--port", "0"};
+  std::vector<std::string> command = {MAPWELD_SERVER_BINARY, "serve",  "--data", data_folder.string(), "--host",
+                                      "127.0.0.1",           "--port", "0"};
   command.insert(command.end(), extra_arguments.begin(), extra_arguments.end());
   const Child child = spawn(command);
   pid_ = child.pid;

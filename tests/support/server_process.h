@@ -1,11 +1,11 @@
 // A real `mapweld-server serve` as a child process, for tests of the whole program.
 #pragma once
 
-#include <sys/types.h>
-
 #include <filesystem>
 #include <string>
 #include <vector>
+
+#include <sys/types.h>
 
 namespace mapweld::testing {
 
@@ -24,7 +24,8 @@ class ServerProcess {
 
   // SIGKILL: what a crash looks like from inside.
   void kill();
-  // SIGTERM; waits for the end. Returns the exit code (128 + signal when a signal ended it); `seconds` is how long it took.
+  // SIGTERM; waits for the end. Returns the exit code (128 + signal when a signal ended it); `seconds` is how long it
+  // took.
   int terminate(double* seconds = nullptr);
 
  private:
