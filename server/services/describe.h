@@ -3,16 +3,21 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "client/contract/graph.h"
 #include "client/contract/image.h"
 #include "schema/edge_store.h"
+#include "schema/map_layout.h"
 #include "schema/vertex_store.h"
 
 namespace mapweld::server {
 
 // `map`: name of the plain map that the vertex lives in.
 contract::Vertex describe_vertex(const VertexRow& row, const std::string& map, std::int64_t degree);
+
+// Confirmed edges at each vertex, by vertex: for whoever shows many of them. Reads all edges of the map.
+std::vector<std::int64_t> degrees_of(const Reader& db, const MapLayout& layout);
 
 contract::IgnoredImage describe_ignored(const ImageRow& row);
 

@@ -153,15 +153,6 @@ std::unique_ptr<Format> make_format(GraphFormat format) {
   return std::make_unique<CsvFormat>();
 }
 
-std::vector<std::int64_t> degrees(const Reader& db, const MapLayout& layout) {
-  std::vector<std::int64_t> degrees(layout.vertices());
-  for (const Edge& edge : load_edges(db, layout, {.confirmed = true})) {
-    ++degrees[to_index(edge.u)];
-    ++degrees[to_index(edge.v)];
-  }
-  return degrees;
-}
-
 // All that an export reads, of one moment.
 struct Source {
   ReadTransaction db;
@@ -173,7 +164,7 @@ struct Source {
 };
 
 bool write_vertices(const Source& source, Format& format, const TextWriter& write) {
-  const std::vector<std::int64_t> degree = degrees(source.db, source.layout);
+  const std::vector<std::int64_t> degree = degrees_of(source.db, source.layout);
   MapNames names(source.db);
   std::optional<VertexId> last;
   while (true) {

@@ -19,6 +19,9 @@ namespace {
 
 using contract::ContractError;
 
+// Up to so many vertices, looking at the edges of each is cheaper than at all edges of the map.
+constexpr std::size_t kFewVertices = 32;
+
 std::int64_t degree_of(const Reader& db, const MapLayout& layout, VertexId vertex) {
   const std::vector<EdgeRow> edges = list_edges_at(db, layout, vertex);
   return std::ranges::count_if(edges, &EdgeRow::confirmed);
@@ -148,11 +151,14 @@ contract::Page<contract::Vertex> MapService::vertices(const std::string& map_nam
   } else {
     rows = list_vertices(db, layout, page.limit + 1, from);
   }
+  std::vector<std::int64_t> degrees;
+  if (rows.size() > kFewVertices) degrees = degrees_of(db, layout);
   MapNames names(db);
   return make_page<contract::Page<contract::Vertex>>(
       rows, page.limit,
       [&](const VertexRow& row) {
-        return describe_vertex(row, names(row.image.map), degree_of(db, layout, row.vertex));
+        const std::int64_t degree = degrees.empty() ? degree_of(db, layout, row.vertex) : degrees[to_index(row.vertex)];
+        return describe_vertex(row, names(row.image.map), degree);
       },
       [](const VertexRow& row) { return to_index(row.vertex); });
 }

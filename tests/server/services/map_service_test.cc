@@ -135,6 +135,14 @@ TEST_F(DrivenMap, VerticesAreListedAndFoundByName) {
   EXPECT_EQ(code_of([&] { services_.maps().image("lab", 6); }), "no_such_vertex");
 }
 
+TEST_F(DrivenMap, ALongListSaysTheSameOfAVertexAsAShortOne) {
+  for (int i = 0; i < 40; ++i) services_.upload("lab", "dot-" + std::to_string(i), png(blank(1, 1)));
+  const auto all = services_.maps().vertices("lab", std::nullopt, {1000, std::nullopt}).items;
+  ASSERT_EQ(all.size(), 46u);
+  EXPECT_EQ(all, services_.maps().vertices("lab", std::nullopt, {46, std::nullopt}).items);
+  for (std::uint32_t i = 0; i < 7; ++i) EXPECT_EQ(all[i], services_.maps().vertex("lab", i));
+}
+
 TEST_F(DrivenMap, EdgesAreFilteredAndPaged) {
   const auto all = services_.maps().edges("lab", {}, {1000, std::nullopt});
   ASSERT_GE(all.items.size(), 4u);
