@@ -1,0 +1,240 @@
+#include "server/maps/map_cache.h"
+
+#include <algorithm>
+#include <atomic>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/retrieval/inverted_index.h"
+#include "schema/segment_store.h"
+#include "server/maps/stored_map.h"
+#include "tests/support/temp_store.h"
+
+namespace mapweld::test {
+namespace {
+
+using server::LoadedMap;
+using server::MapCache;
+using server::StoredMap;
+
+constexpr std::uint32_t kWords = 200;
+constexpr int kFeatures = 100;
+
+class MapCacheTest : public ::testing::Test {
+ protected:
+  MapCacheTest() : vocabulary_(add_vocabulary(store_, "words", kWords)) {}
+
+  // A map of so many random images, each with an edge to the one before.
+  MapRow fill(const std::string& name, int vertices) {
+    const MapId map = add_map(store_, name, vocabulary_);
+    for (int i = 0; i < vertices; ++i) add(map);
+    return row(map);
+  }
+
+  void add(MapId map) {
+    const AppearanceVector vector = random_appearances(random_, kFeatures, kWords);
+    WriteTransaction db = store_.write();
+    const std::uint32_t number = find_map(db, map)->vertices;
+    std::vector<NewEdge> edges;
+    if (number > 0) {
+      NewEdge edge;
+      edge.u = VertexId{number - 1};
+      edge.votes = 20;
+      edge.verification = random_verification(random_, 15, kFeatures, kFeatures);
+      edges.push_back(edge);
+    }
+    insert_vertex(db, map, vocabulary_, new_image("image-" + std::to_string(number), vector), vector, edges,
+                  test_verifier(db));
+    db.commit();
+  }
+
+  MapRow row(MapId map) { return find_map(store_.read(), map).value(); }
+
+  std::size_t size_of(const MapRow& map) { return LoadedMap(store_, store_.read(), map).memory_bytes(); }
+
+  TempStore store_;
+  Random random_{7};
+  VocabularyId vocabulary_;
+};
+
+std::vector<Posting> postings(const server::LeafSource& map, WordId word, std::uint32_t first, std::uint32_t end) {
+  std::vector<Posting> out;
+  map.postings(word, VertexId{first}, VertexId{end}, out);
+  return out;
+}
+
+TEST_F(MapCacheTest, InMemoryAndInTheStoreAMapReadsTheSame) {
+  const MapRow map = fill("lab", 40);
+  write_due_segments(store_,
+                     {.vertices = 16, .fan_in = 8, .max_vertices = 1 << 16});  // part segments, part appearances
+  const LoadedMap loaded(store_, store_.read(), map);
+  const StoredMap stored(store_, map.id, vocabulary_);
+  InvertedIndex oracle;
+  for (const AppearanceVector& vector : load_appearances(store_.read(), map.id, vocabulary_, VertexId{0}, 40)) {
+    oracle.add(vector);
+  }
+  for (std::uint32_t word = 0; word < kWords; ++word) {
+    for (const auto& [first, end] : {std::pair{0u, 40u}, std::pair{0u, 17u}, std::pair{9u, 33u}, std::pair{5u, 5u}}) {
+      std::vector<Posting> expected;
+      for (const Posting& posting : oracle.postings(WordId{word})) {
+        if (to_index(posting.vertex) >= first && to_index(posting.vertex) < end) expected.push_back(posting);
+      }
+      EXPECT_EQ(postings(loaded, WordId{word}, first, end), expected);
+      EXPECT_EQ(postings(stored, WordId{word}, first, end), expected);
+    }
+  }
+  for (std::uint32_t vertex = 0; vertex < 40; ++vertex) {
+    EXPECT_EQ(*loaded.appearances(VertexId{vertex}), *stored.appearances(VertexId{vertex}));
+    std::vector<VertexId> in_memory;
+    std::vector<VertexId> in_store;
+    loaded.neighbours(VertexId{vertex}, in_memory);
+    stored.neighbours(VertexId{vertex}, in_store);
+    std::ranges::sort(in_memory);
+    std::ranges::sort(in_store);
+    EXPECT_EQ(in_memory, in_store);
+    EXPECT_EQ(in_memory.size(), vertex == 0 || vertex == 39 ? 1u : 2u);
+  }
+}
+
+TEST_F(MapCacheTest, AMapInUseIsOneObject) {
+  const MapRow map = fill("lab", 3);
+  MapCache cache(store_, 64 << 20);
+  const auto first = cache.open(map, kFeatures);
+  EXPECT_EQ(cache.open(map, kFeatures), first);
+  EXPECT_EQ(cache.statistics().maps, 1u);
+  EXPECT_GT(cache.statistics().bytes, 0u);
+}
+
+TEST_F(MapCacheTest, TheLeastRecentlyUsedMakesRoom) {
+  const MapRow a = fill("a", 10);
+  const MapRow b = fill("b", 10);
+  const MapRow c = fill("c", 10);
+  MapCache cache(store_, 5 * size_of(a) / 2);  // two of the three
+  const LoadedMap* kept = cache.open(a, kFeatures).get();
+  cache.open(b, kFeatures);
+  cache.open(a, kFeatures);
+  cache.open(c, kFeatures);  // b goes
+  EXPECT_EQ(cache.statistics().maps, 2u);
+  EXPECT_EQ(cache.open(a, kFeatures).get(), kept);
+}
+
+TEST_F(MapCacheTest, MapsInUseStayWhateverTheyTake) {
+  const MapRow a = fill("a", 10);
+  const MapRow b = fill("b", 10);
+  MapCache cache(store_, size_of(a) + 1);
+  const auto in_use = cache.open(a, kFeatures);
+  const auto vector = in_use->appearances(VertexId{3});
+  const std::size_t with_vector = in_use->memory_bytes();
+  const auto also = cache.open(b, kFeatures);
+  EXPECT_EQ(cache.statistics().maps, 2u);
+  EXPECT_EQ(cache.open(a, kFeatures), in_use);
+  EXPECT_LT(in_use->memory_bytes(), with_vector);  // but they let go of what can be read again
+  EXPECT_EQ(*in_use->appearances(VertexId{3}), *vector);
+}
+
+TEST_F(MapCacheTest, AMapBeyondTheCapacityIsNotLoaded) {
+  const MapRow map = fill("lab", 10);
+  MapCache cache(store_, 1000);
+  EXPECT_EQ(cache.open(map, kFeatures), nullptr);
+  EXPECT_EQ(cache.statistics().maps, 0u);
+}
+
+TEST_F(MapCacheTest, ADeletedMapIsNotFound) {
+  const MapRow map = fill("lab", 3);
+  MapCache cache(store_, 64 << 20);
+  {
+    WriteTransaction db = store_.write();
+    delete_map(db, map.id);
+    db.commit();
+  }
+  EXPECT_THROW(cache.open(map, kFeatures), std::out_of_range);
+  EXPECT_EQ(cache.statistics().maps, 0u);
+}
+
+TEST_F(MapCacheTest, AReaderWithAnOldSnapshotDoesNotMakeAnOldMap) {
+  const MapRow before = fill("lab", 5);
+  add(before.id);
+  MapCache cache(store_, 64 << 20);
+  EXPECT_EQ(cache.open(before, kFeatures)->committed(), 6u);
+}
+
+TEST_F(MapCacheTest, RollbackForgetsWhatWasAppended) {
+  const MapRow map = fill("lab", 5);
+  LoadedMap loaded(store_, store_.read(), map);
+  const LoadedMap untouched(store_, store_.read(), map);
+  const auto image = std::make_shared<const AppearanceVector>(random_appearances(random_, kFeatures, kWords));
+  const std::vector<VertexId> edges = {VertexId{1}, VertexId{4}};
+  EXPECT_EQ(loaded.append(image, edges), VertexId{5});
+  EXPECT_EQ(loaded.append(image, std::vector{VertexId{5}}), VertexId{6});
+  EXPECT_EQ(loaded.committed(), 5u);
+  EXPECT_EQ(loaded.appearances(VertexId{6}), image);
+  loaded.rollback();
+  EXPECT_THROW(loaded.appearances(VertexId{5}), std::out_of_range);
+  for (std::uint32_t word = 0; word < kWords; ++word) {
+    EXPECT_EQ(postings(loaded, WordId{word}, 0, 100), postings(untouched, WordId{word}, 0, 100));
+  }
+  for (std::uint32_t vertex = 0; vertex < 5; ++vertex) {
+    std::vector<VertexId> now;
+    std::vector<VertexId> then;
+    loaded.neighbours(VertexId{vertex}, now);
+    untouched.neighbours(VertexId{vertex}, then);
+    EXPECT_EQ(now, then);
+  }
+  EXPECT_EQ(loaded.append(image, std::vector{VertexId{2}}), VertexId{5});
+  std::vector<VertexId> anew;
+  loaded.neighbours(VertexId{5}, anew);
+  EXPECT_EQ(anew, std::vector{VertexId{2}});
+  loaded.commit();
+  EXPECT_EQ(loaded.committed(), 6u);
+  loaded.rollback();
+  EXPECT_EQ(loaded.appearances(VertexId{5}), image);
+}
+
+TEST_F(MapCacheTest, WritersOfOneMapTakeTurns) {
+  MapCache cache(store_, 64 << 20);
+  std::atomic<int> inside{0};
+  std::atomic<int> most{0};
+  std::vector<std::thread> writers;
+  for (int i = 0; i < 4; ++i) {
+    writers.emplace_back([&] {
+      for (int turn = 0; turn < 50; ++turn) {
+        const auto mine = cache.writer_turn(MapId{1});
+        most = std::max(most.load(), ++inside);
+        --inside;
+      }
+    });
+  }
+  for (std::thread& writer : writers) writer.join();
+  EXPECT_EQ(most, 1);
+  const auto one = cache.writer_turn(MapId{1});
+  const auto other = cache.writer_turn(MapId{2});  // does not wait
+  EXPECT_TRUE(one.owns_lock() && other.owns_lock());
+}
+
+TEST_F(MapCacheTest, ManyThreadsMayOpenAndReadAtOnce) {
+  std::vector<MapRow> maps;
+  for (int i = 0; i < 4; ++i) maps.push_back(fill("map-" + std::to_string(i), 8));
+  MapCache cache(store_, 2 * size_of(maps[0]));
+  std::vector<std::thread> readers;
+  std::atomic<int> wrong{0};
+  for (int thread = 0; thread < 4; ++thread) {
+    readers.emplace_back([&, thread] {
+      for (int i = 0; i < 60; ++i) {
+        const auto map = cache.open(maps[static_cast<std::size_t>(i * (thread + 1)) % 4], kFeatures);
+        if (!map || map->committed() != 8) ++wrong;
+        std::size_t found = 0;
+        for (std::uint32_t word = 0; word < kWords; ++word) found += postings(*map, WordId{word}, 0, 8).size();
+        if (found == 0 || map->appearances(VertexId{static_cast<std::uint32_t>(i) % 8})->appearances.empty()) ++wrong;
+      }
+    });
+  }
+  for (std::thread& reader : readers) reader.join();
+  EXPECT_EQ(wrong, 0);
+}
+
+}  // namespace
+}  // namespace mapweld::test
