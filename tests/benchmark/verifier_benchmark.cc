@@ -14,8 +14,13 @@
 #include <vector>
 
 #include <benchmark/benchmark.h>
+#include <opencv2/calib3d.hpp>
 
+#include "core/geometry/correspondences.h"
 #include "core/geometry/epipolar_verifier.h"
+#include "core/geometry/fundamental_matrix.h"
+#include "core/geometry/robust_fundamental.h"
+#include "core/geometry/word_matches.h"
 #include "core/mapping/localizer.h"
 #include "core/mapping/mapper.h"
 #include "core/retrieval/inverted_index.h"
@@ -157,6 +162,42 @@ BENCHMARK(BM_VerifyMadeScene)
     ->Args({150, 100})
     ->Args({0, 30})
     ->Args({0, 200})
+    ->Unit(benchmark::kMicrosecond);
+
+// The estimator alone beside OpenCV's USAC family, on the matches of a made scene, without the similarity vote before
+// it; inliers counted alike.
+void BM_FundamentalMatrix(benchmark::State& state) {
+  const auto scene = test::make_scene(
+      {.points = static_cast<int>(state.range(1)), .outliers = static_cast<int>(state.range(2)), .noise_px = 0.4});
+  const Correspondences c = make_correspondences(scene.a, scene.b, word_matches(scene.a, scene.b, 1, 1000));
+  std::vector<cv::Point2d> pa, pb;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    pa.emplace_back(400 * c.xa[i], 400 * c.ya[i]);
+    pb.emplace_back(400 * c.xb[i], 400 * c.yb[i]);
+  }
+  Matrix3 f{};
+  std::uint64_t seed = 0;
+  double inliers = 0;
+  std::vector<float> d2;
+  for (auto _ : state) {
+    if (state.range(0) == 0) {
+      f = robust_fundamental(c, ++seed, {.max_samples = 1000}).f;
+    } else {
+      const cv::Mat m =
+          cv::findFundamentalMat(pa, pb, state.range(0) == 1 ? cv::USAC_FAST : cv::USAC_ACCURATE, 2.0, 0.99, 1000);
+      for (int k = 0; k < 9 && !m.empty(); ++k) {
+        f[k] = m.at<double>(k / 3, k % 3) * (k / 3 < 2 ? 400 : 1) * (k % 3 < 2 ? 400 : 1);
+      }
+    }
+    epipolar_distances2(c, f, d2);
+    inliers += static_cast<double>(std::ranges::count_if(d2, [](float d) { return d <= 0.005f * 0.005f; }));
+  }
+  state.counters["inliers"] = inliers / static_cast<double>(state.iterations());
+  state.SetLabel(state.range(0) == 0 ? "ours" : state.range(0) == 1 ? "USAC_FAST" : "USAC_ACCURATE");
+}
+BENCHMARK(BM_FundamentalMatrix)
+    ->ArgNames({"engine", "inliers", "outliers"})
+    ->ArgsProduct({{0, 1, 2}, {60}, {10, 30, 60}})
     ->Unit(benchmark::kMicrosecond);
 
 // ---- Localization -------------------------------------------------------------------------------------------------

@@ -1,8 +1,10 @@
 #include "core/geometry/epipolar_verifier.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -216,6 +218,33 @@ TEST(EpipolarVerifier, OptionsDecide) {
   EXPECT_EQ(rarer.reason, Reason::kNotSignificant);
   EXPECT_EQ(rarer.inlier_matches, v.inlier_matches);
   EXPECT_EQ(rarer.log10_false_alarms, v.log10_false_alarms);
+}
+
+TEST(EpipolarVerifier, InliersThatFallApartAreInconsistent) {
+  const EpipolarVerifier verifier;
+  int inconsistent = 0;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    const auto [a, b] = test::make_chance_pair({.seed = seed, .matches = 150});
+    const Verification v = verifier.verify(a, b);
+    if (v.reason != Reason::kInconsistent) continue;
+    ++inconsistent;
+    EXPECT_FALSE(v.accepted);
+    EXPECT_LT(v.inliers, 10);
+    EXPECT_EQ(v.inliers, static_cast<int>(v.inlier_matches.size()));
+  }
+  EXPECT_GT(inconsistent, 0);
+}
+
+TEST(Mirrored, SwapsMatchesAndTransposesGeometry) {
+  Verification v;
+  v.kind = GeometryKind::kFundamental;
+  v.geometry = {1, 2, 3, 4, 5, 6, 7, 8, 9};
+  v.inlier_matches = {{1, 9}, {2, 4}, {3, 7}};
+  const Verification m = mirrored(v);
+  EXPECT_EQ(m.geometry, (std::array<double, 9>{1, 4, 7, 2, 5, 8, 3, 6, 9}));
+  const std::vector<std::pair<std::uint16_t, std::uint16_t>> swapped{{4, 2}, {7, 3}, {9, 1}};
+  EXPECT_EQ(m.inlier_matches, swapped);
+  EXPECT_EQ(mirrored(m), v);
 }
 
 // The same scene, its features drawn together to a share of the image: one small object, seen twice.

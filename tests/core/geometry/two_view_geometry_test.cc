@@ -209,6 +209,20 @@ TEST(Homography, RobustEstimateFindsThePlaneAmongOutliers) {
   }
 }
 
+TEST(Homography, PointsBehindTheCameraAreInfinitelyFar) {
+  Correspondences c;
+  for (const float x : {0.1f, 0.4f}) {
+    c.xa.push_back(x);
+    c.ya.push_back(0);
+    c.xb.push_back(x / (1 - 4 * x));
+    c.yb.push_back(0);
+  }
+  std::vector<float> d2;
+  transfer_distances2(c, {1, 0, 0, 0, 1, 0, -4, 0, 1}, d2);
+  EXPECT_LT(d2[0], 1e-10f);
+  EXPECT_EQ(d2[1], INFINITY) << "its third coordinate is negative: the two points lie on a line, not in view";
+}
+
 TEST(Homography, InverseUndoes) {
   const TwoViewScene scene = make_scene({.seed = 5, .flat = true});
   const Matrix3 back = inverse(inverse(scene.homography));
