@@ -72,8 +72,11 @@ TEST(IncludeDirection, CoreIsPure) {
   const std::set<std::string> impure = {"sqlite3.h", "httplib.h", "chrono",  "ctime",    "time.h",      "fstream",
                                         "cstdio",    "stdio.h",   "iostream", "filesystem", "unistd.h", "fcntl.h",
                                         "sys/time.h", "sys/stat.h", "sys/mman.h"};
-  // FLANN saves an index to a FILE* and nothing else; a stream over memory is no file.
-  const std::set<std::pair<std::string, std::string>> excused = {{"core/vocabulary/flann_index.cc", "cstdio"}};
+  // FLANN saves an index to a FILE* and nothing else (here: a stream over memory); the headers of libjpeg and libpng
+  // need the name FILE declared. No file is opened.
+  const std::set<std::pair<std::string, std::string>> excused = {{"core/vocabulary/flann_index.cc", "cstdio"},
+                                                                 {"core/feature/jpeg.cc", "cstdio"},
+                                                                 {"core/feature/png.cc", "cstdio"}};
   for (const auto& include : includes_below(kRoot, "core")) {
     if (excused.contains({include.file, include.header})) continue;
     EXPECT_FALSE(impure.contains(include.header) || include.header.starts_with("nlohmann/") ||
