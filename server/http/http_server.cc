@@ -3,17 +3,15 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
-#include <condition_variable>
 #include <cstring>
-#include <deque>
-#include <mutex>
 #include <random>
 #include <stdexcept>
-#include <thread>
 
 #include <spdlog/spdlog.h>
 #include <sys/socket.h>
 
+#include "server/http/body_budget.h"
+#include "server/http/connection_queue.h"
 #include "server/http/problem.h"
 
 namespace mapweld::server {
@@ -36,82 +34,6 @@ struct Current {
   Stopwatch watch;
 };
 thread_local Current* current = nullptr;
-
-// Set on the accepting thread while a connection is turned away.
-thread_local bool turning_away = false;
-
-// A fixed number of threads and a bounded queue before them. `crowd`: connections that wait, less threads that do.
-class BoundedTaskQueue final : public httplib::TaskQueue {
- public:
-  BoundedTaskQueue(int threads, std::size_t max_waiting, std::atomic<int>& crowd)
-      : max_waiting_(max_waiting), crowd_(crowd) {
-    for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
-  }
-
-  void enqueue(std::function<void()> task) override {
-    {
-      const std::lock_guard lock(mutex_);
-      if (tasks_.size() < max_waiting_) {
-        tasks_.push_back(std::move(task));
-        ++crowd_;
-        wake_.notify_one();
-        return;
-      }
-    }
-    turning_away = true;
-    task();
-    turning_away = false;
-  }
-
-  void shutdown() override {
-    {
-      const std::lock_guard lock(mutex_);
-      stopping_ = true;
-    }
-    wake_.notify_all();
-    for (std::thread& thread : threads_) thread.join();
-  }
-
- private:
-  void work() {
-    while (true) {
-      std::function<void()> task;
-      {
-        std::unique_lock lock(mutex_);
-        --crowd_;
-        wake_.wait(lock, [this] { return stopping_ || !tasks_.empty(); });
-        if (tasks_.empty()) return;
-        task = std::move(tasks_.front());
-        tasks_.pop_front();
-      }
-      task();
-    }
-  }
-
-  const std::size_t max_waiting_;
-  std::atomic<int>& crowd_;
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  std::deque<std::function<void()>> tasks_;
-  bool stopping_ = false;
-  std::vector<std::thread> threads_;
-};
-
-// The bodies that all requests together hold in memory.
-class BodyBudget {
- public:
-  explicit BodyBudget(std::size_t limit) : limit_(limit) {}
-  bool take(std::size_t bytes) {
-    if (used_.fetch_add(bytes) + bytes <= limit_) return true;
-    used_.fetch_sub(bytes);
-    return false;
-  }
-  void give_back(std::size_t bytes) { used_.fetch_sub(bytes); }
-
- private:
-  const std::size_t limit_;
-  std::atomic<std::size_t> used_{0};
-};
 
 bool is_request_id(const std::string& id) {
   return !id.empty() && id.size() <= 64 && std::all_of(id.begin(), id.end(), [](unsigned char c) {
@@ -158,7 +80,7 @@ class HttpServer::Impl final : public httplib::Server {
  public:
   Impl(const HttpOptions& options, Router router, Metrics& metrics)
       : options_(options), router_(std::move(router)), metrics_(metrics), bodies_(options.max_bodies_bytes) {
-    new_task_queue = [this] { return new BoundedTaskQueue(options_.threads, options_.max_waiting, crowd_); };
+    new_task_queue = [this] { return new ConnectionQueue(options_.threads, options_.max_waiting, crowd_); };
     set_tcp_nodelay(true);
     set_keep_alive_timeout(std::max(1, options_.connection.idle_timeout_ms / 1000));
     set_keep_alive_max_count(static_cast<std::size_t>(options_.max_requests_per_connection));
@@ -213,7 +135,7 @@ class HttpServer::Impl final : public httplib::Server {
   // One connection, on a thread of the pool. The library's own loop is replaced: it reads heads without limits and lets
   // idle connections hold their threads.
   bool process_and_close_socket(socket_t socket) override {
-    if (turning_away) {
+    if (ConnectionQueue::turning_away()) {
       Connection connection(socket, options_.connection, draining_);
       send_plain(connection, reply_of("busy", "All connections are in use. Try again.", next_request_id()));
     } else {

@@ -1,40 +1,20 @@
 // Mapping as a use case: uploaded images become vertices and edges of a map, or are ignored (paper, section III-B).
 #pragma once
 
-#include <atomic>
 #include <chrono>
-#include <cstdint>
-#include <exception>
-#include <functional>
 #include <optional>
-#include <span>
 #include <string>
-#include <variant>
 #include <vector>
 
-#include "client/contract/image.h"
 #include "schema/store.h"
-#include "schema/vertex_store.h"
 #include "server/maps/map_cache.h"
 #include "server/metrics/metrics.h"
+#include "server/services/upload_outcome.h"
+#include "server/services/upload_session.h"
 #include "server/services/vocabulary_service.h"
 #include "server/services/worker_pool.h"
 
 namespace mapweld::server {
-
-struct ImageUpload {
-  std::string name;                     // empty: the vertex number
-  std::span<const std::uint8_t> bytes;  // must live until the upload returns
-  Provenance provenance;
-};
-
-struct UploadOutcome {
-  contract::Upload upload;
-  bool created = false;  // a vertex was inserted now; false for an ignored image and a repeated upload
-};
-
-// What became of one image of a batch.
-using BatchOutcome = std::variant<UploadOutcome, std::exception_ptr>;
 
 struct ImageServiceOptions {
   int max_group = 16;  // images of a batch that are stored in one transaction
@@ -47,12 +27,7 @@ class ImageService {
   // Everything given must outlive this.
   ImageService(Store& store, MapCache& cache, VocabularyService& vocabularies, WorkerPool& workers, Metrics& metrics,
                const ImageServiceOptions& options = {})
-      : store_(store),
-        cache_(cache),
-        vocabularies_(vocabularies),
-        workers_(workers),
-        metrics_(metrics),
-        options_(options) {}
+      : context_{store, cache, vocabularies, workers, metrics, options.max_group} {}
 
   // Returns when the outcome is durable. The same name with the same bytes gets the first outcome again.
   // Throws ContractError no_such_map, map_is_merged, wrong_map (`map_uuid` is another map's), invalid_name, name_taken,
@@ -65,21 +40,11 @@ class ImageService {
   std::vector<BatchOutcome> upload_batch(const std::string& map, const std::vector<ImageUpload>& images,
                                          const std::optional<std::string>& map_uuid);
 
-  // The server is stopping: images that are not being stored after this time are refused with shutting_down.
-  void refuse_after(std::chrono::steady_clock::time_point deadline) { deadline_ = deadline.time_since_epoch(); }
+  // The server is stopping: images that are not being stored at this time are refused with shutting_down.
+  void refuse_after(std::chrono::steady_clock::time_point deadline) { context_.deadline = deadline.time_since_epoch(); }
 
  private:
-  class Session;
-
-  Store& store_;
-  MapCache& cache_;
-  VocabularyService& vocabularies_;
-  WorkerPool& workers_;
-  Metrics& metrics_;
-  const ImageServiceOptions options_;
-  bool refusing() const { return std::chrono::steady_clock::now().time_since_epoch() >= deadline_.load(); }
-
-  std::atomic<std::chrono::steady_clock::duration> deadline_{std::chrono::steady_clock::duration::max()};
+  UploadContext context_;
 };
 
 }  // namespace mapweld::server

@@ -1,0 +1,289 @@
+#include "server/services/upload_session.h"
+
+#include <stdexcept>
+#include <utility>
+
+#include "client/contract/json.h"
+#include "client/contract/names.h"
+#include "client/contract/problem.h"
+#include "core/geometry/epipolar_verifier.h"
+#include "schema/edge_store.h"
+#include "server/maps/map_snapshot.h"
+#include "server/maps/stored_map.h"
+#include "server/services/hashing.h"
+#include "server/services/map_lookup.h"
+#include "server/services/timed_verifier.h"
+#include "server/services/times.h"
+
+namespace mapweld::server {
+namespace {
+
+using contract::ContractError;
+
+[[noreturn]] void throw_name_taken(const std::string& name) {
+  throw ContractError("name_taken", "The map has an image named \"" + name + "\" with other bytes.");
+}
+
+bool is_ready(const auto& future) { return future.wait_for(std::chrono::seconds(0)) == std::future_status::ready; }
+
+}  // namespace
+
+void UploadContext::refuse_when_stopping() const {
+  if (std::chrono::steady_clock::now().time_since_epoch() < deadline.load()) return;
+  throw ContractError("shutting_down", "The server is shutting down; upload the image again when it is back.");
+}
+
+UploadSession::UploadSession(UploadContext& context, const std::string& map_name,
+                             const std::optional<std::string>& map_uuid)
+    : context_(context) {
+  const ReadTransaction db = context.store.read();
+  map_ = require_map(db, map_name);
+  if (map_.kind == MapKind::kMerged) {
+    throw ContractError("map_is_merged", "\"" + map_name + "\" is a merged map; upload into one of its members.");
+  }
+  if (map_uuid && *map_uuid != map_.uuid) {
+    throw ContractError("wrong_map", "The map \"" + map_name + "\" has another uuid: it is not the one you mean.");
+  }
+  settings_ = settings_of(map_);
+  vocabulary_ = context.vocabularies.load(map_.vocabulary);
+  verifier_ = make_verifier({.min_inliers = settings_.parameters.min_inliers});
+  try {
+    loaded_ = context.cache.open(map_, settings_.parameters.max_features);
+  } catch (const std::out_of_range&) {
+    throw_deleted();
+  }
+}
+
+std::vector<BatchOutcome> UploadSession::run(const std::vector<ImageUpload>& images) {
+  std::vector<BatchOutcome> outcomes(images.size());
+  WorkerPool::Lane lane(context_.workers);
+  std::vector<std::future<Prepared>> prepared;
+  for (const ImageUpload& image : images) {
+    prepared.push_back(lane.submit([this, &image] { return prepare(image); }));
+  }
+  for (std::size_t i = 0; i < images.size();) {
+    // The images that are ready, so that many share a transaction and none waits for one that is not.
+    std::vector<Pending> group;
+    do {
+      if (auto pending = receive(images[i], prepared[i], outcomes[i])) group.push_back(std::move(*pending));
+      ++i;
+    } while (i < images.size() && static_cast<int>(group.size()) < max_group() && is_ready(prepared[i]));
+    if (group.empty()) continue;
+    if (const std::exception_ptr failure = store(group)) {
+      for (; i < images.size(); ++i) outcomes[i] = failure;
+    }
+  }
+  return outcomes;
+}
+
+// An image is localized among those before it: where the map is not in memory, they must be stored first.
+int UploadSession::max_group() const { return loaded_ ? context_.max_group : 1; }
+
+UploadSession::Prepared UploadSession::prepare(const ImageUpload& upload) const {
+  context_.refuse_when_stopping();
+  if (!upload.name.empty()) contract::check_image_name(upload.name);
+  if (upload.bytes.empty()) throw ContractError("empty_body", "The image has no bytes.");
+  const Stopwatch watch;
+  Prepared prepared;
+  prepared.hash = sha256(upload.bytes);
+  if (!upload.name.empty()) prepared.repeated = find_repeated(context_.store.read(), upload.name, prepared.hash);
+  if (prepared.repeated) {
+    prepared.repeated->upload.took_ms = shown_ms(watch.elapsed_s());
+  } else {
+    prepared.image = analyze(upload.bytes, *vocabulary_, settings_.parameters.max_features, context_.metrics);
+  }
+  return prepared;
+}
+
+std::optional<UploadSession::Pending> UploadSession::receive(const ImageUpload& upload, std::future<Prepared>& future,
+                                                             BatchOutcome& outcome) const {
+  try {
+    Prepared prepared = future.get();
+    if (prepared.repeated) {
+      outcome = std::move(*prepared.repeated);
+      return std::nullopt;
+    }
+    context_.refuse_when_stopping();
+    Pending pending;
+    pending.upload = &upload;
+    pending.prepared = std::move(prepared);
+    pending.outcome = &outcome;
+    return pending;
+  } catch (...) {
+    outcome = std::current_exception();
+    return std::nullopt;
+  }
+}
+
+std::optional<UploadOutcome> UploadSession::find_repeated(const Reader& db, const std::string& name,
+                                                          const Sha256& hash) const {
+  const std::optional<ImageRow> stored = find_image(db, map_.id, name);
+  if (!stored) return std::nullopt;
+  if (stored->sha256 != hash) throw_name_taken(name);
+  return first_outcome(db, *stored);
+}
+
+std::exception_ptr UploadSession::store(std::vector<Pending>& group) {
+  const auto turn = context_.cache.writer_turn(map_.id);
+  try {
+    decide_all(group);
+    write_all(group);
+    if (loaded_) loaded_->commit();
+    return nullptr;
+  } catch (...) {
+    if (loaded_) loaded_->rollback();
+    for (Pending& pending : group) {
+      if (!pending.settled) *pending.outcome = std::current_exception();
+    }
+    return std::current_exception();
+  }
+}
+
+void UploadSession::decide_all(std::vector<Pending>& group) {
+  const ReadTransaction db = context_.store.read();
+  const std::optional<MapRow> present = find_map(db, map_.id);
+  if (!present) throw_deleted();
+  std::uint32_t vertices = present->vertices;
+  std::uint64_t ignored = present->ignored;
+  NamesOfGroup names;
+  for (Pending& pending : group) {
+    if (settle_by_name(db, pending, names)) continue;
+    decide_one(pending, vertices);
+    const bool inserts = pending.decision.outcome == MappingDecision::Outcome::kInserted;
+    pending.name = pending.upload->name;
+    if (pending.name.empty()) {
+      pending.name = free_name(db, names, inserts ? std::to_string(vertices) : "ignored-" + std::to_string(ignored));
+    }
+    names.emplace(pending.name, &pending);
+    if (inserts) {
+      ++vertices;
+    } else {
+      ++ignored;
+    }
+  }
+}
+
+// An image of this name may have been stored since it was prepared, or stand earlier in the group.
+bool UploadSession::settle_by_name(const Reader& db, Pending& pending, const NamesOfGroup& names) const {
+  const std::string& name = pending.upload->name;
+  if (name.empty()) return false;
+  try {
+    if (auto repeated = find_repeated(db, name, pending.prepared.hash)) {
+      *pending.outcome = std::move(*repeated);
+      return pending.settled = true;
+    }
+    const auto earlier = names.find(name);
+    if (earlier == names.end()) return false;
+    if (earlier->second->prepared.hash != pending.prepared.hash) throw_name_taken(name);
+    pending.same_as = earlier->second;
+    return true;
+  } catch (const ContractError&) {
+    *pending.outcome = std::current_exception();
+    return pending.settled = true;
+  }
+}
+
+std::string UploadSession::free_name(const Reader& db, const NamesOfGroup& names, const std::string& wanted) const {
+  std::string name = wanted;
+  for (int i = 2; names.contains(name) || find_image(db, map_.id, name); ++i) {
+    name = wanted + "-" + std::to_string(i);
+  }
+  return name;
+}
+
+void UploadSession::decide_one(Pending& pending, std::uint32_t vertices) {
+  const Stopwatch watch;
+  std::shared_ptr<const LeafSource> leaf = loaded_;
+  if (!leaf) leaf = std::make_shared<StoredMap>(context_.store, map_.id, map_.vocabulary);
+  const MapSnapshot view(map_.id, vertices, leaf);
+  const TimedVerifier verifier(*verifier_);
+  pending.decision = mapweld::decide(*pending.prepared.image.vector, view, verifier, settings_.parameters);
+  pending.vertex = VertexId{vertices};
+  if (loaded_ && pending.decision.outcome == MappingDecision::Outcome::kInserted) {
+    std::vector<VertexId> neighbours;
+    for (const LocalizationMatch& match : pending.decision.edges) neighbours.push_back(match.vertex);
+    loaded_->append(pending.prepared.image.vector, neighbours);
+  }
+  pending.decided_in_s = watch.elapsed_s();
+  context_.metrics.stage(Stage::kVerify).record(verifier.elapsed_s());
+  context_.metrics.stage(Stage::kVote).record(pending.decided_in_s - verifier.elapsed_s());
+}
+
+void UploadSession::write_all(std::vector<Pending>& group) {
+  const Stopwatch watch;
+  std::size_t written = 0;
+  {
+    WriteTransaction db = context_.store.write();
+    if (!find_map(db, map_.id)) throw_deleted();
+    const VerifierId verifier = intern_verifier(db, verifier_->version(), verifier_parameters());
+    for (Pending& pending : group) {
+      if (pending.settled || pending.same_as) continue;
+      write_one(db, pending, verifier);
+      ++written;
+    }
+    if (written == 0) return finish_repeats(group);
+    db.commit();
+  }
+  const double commit_s = watch.elapsed_s() / static_cast<double>(written);
+  for (Pending& pending : group) {
+    if (pending.settled || pending.same_as) continue;
+    context_.metrics.stage(Stage::kCommit).record(commit_s);
+    auto& upload = std::get<UploadOutcome>(*pending.outcome).upload;
+    upload.took_ms = shown_ms(pending.prepared.image.took_s + pending.decided_in_s + commit_s);
+  }
+  finish_repeats(group);
+}
+
+void UploadSession::finish_repeats(std::vector<Pending>& group) {
+  for (Pending& pending : group) {
+    if (!pending.same_as) continue;
+    *pending.outcome = *pending.same_as->outcome;
+    std::get<UploadOutcome>(*pending.outcome).created = false;
+  }
+}
+
+void UploadSession::write_one(WriteTransaction& db, Pending& pending, VerifierId verifier) const {
+  const AnalyzedImage& image = pending.prepared.image;
+  const MappingDecision& decision = pending.decision;
+  NewImage row;
+  row.name = pending.name;
+  row.sha256 = pending.prepared.hash;
+  row.media_type = image.media_type;
+  row.width_px = image.width_px;
+  row.height_px = image.height_px;
+  row.features = image.features;
+  row.provenance = pending.upload->provenance;
+  row.reason = decision.reason;
+  row.uploaded_at = now();
+  if (settings_.store_images) row.bytes = pending.upload->bytes;
+
+  if (decision.outcome == MappingDecision::Outcome::kIgnored) {
+    insert_ignored(db, map_.id, row, decision.similar_to, decision.inliers);
+    *pending.outcome = UploadOutcome{ignored(decision.similar_to, decision.inliers, row.name, row.features)};
+    return;
+  }
+  UploadOutcome outcome{inserted(pending.vertex, row.name, row.features, decision.reason), true};
+  std::vector<NewEdge> edges;
+  for (const LocalizationMatch& match : decision.edges) {
+    NewEdge edge;
+    edge.u = match.vertex;
+    edge.votes = match.votes;
+    edge.verification = mirrored(match.verification);  // found as verify(new, old), stored from old to new
+    edges.push_back(std::move(edge));
+    outcome.upload.edges->push_back({to_index(match.vertex), match.votes, match.verification.inliers});
+  }
+  const VertexId vertex = insert_vertex(db, map_.id, map_.vocabulary, row, *image.vector, edges, verifier);
+  if (vertex != pending.vertex) throw std::logic_error("a vertex got another number than it was decided under");
+  *pending.outcome = std::move(outcome);
+}
+
+std::string UploadSession::verifier_parameters() const {
+  const VerifierOptions& options = verifier_->options();
+  return contract::dump({{"min_inliers", options.min_inliers}, {"max_false_alarms", options.max_false_alarms}});
+}
+
+void UploadSession::throw_deleted() const {
+  throw ContractError("no_such_map", "The map \"" + map_.name + "\" was deleted.");
+}
+
+}  // namespace mapweld::server
