@@ -337,10 +337,9 @@ TEST(RenderedWorld, APosterHangsInTwoPlacesWhenAskedTo) {
 
 TEST(RenderedWorld, BuildingsShareACatalogue) {
   const auto designs = [](std::uint64_t seed) {
+    const RenderedWorld building(WorldOptions{.seed = seed, .catalogue_posters = 60});
     std::set<std::uint64_t> result;
-    for (const Poster& poster : RenderedWorld(WorldOptions{.seed = seed, .catalogue_posters = 60}).posters()) {
-      result.insert(poster.design);
-    }
+    for (const Poster& poster : building.posters()) result.insert(poster.design);
     return result;
   };
   const std::set<std::uint64_t> a = designs(1);
