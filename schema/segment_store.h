@@ -42,8 +42,9 @@ struct SegmentStatistics {
 };
 
 // Writes and merges the segments that are due, of all maps and vocabularies. Reads beside the writer and takes its turn
-// only to store each finished segment, so uploads go on. Call it in the background, from one thread at a time; a map
-// that is deleted meanwhile is passed over. Safe to stop at any moment: each segment is one transaction.
+// only to store each finished segment, so uploads go on. Call it in the background, from any thread; a map that is
+// deleted meanwhile is passed over, and a segment that another thread was faster with is not stored twice. Safe to stop
+// at any moment: each segment is one transaction.
 SegmentStatistics write_due_segments(Store& store, const SegmentOptions& options = {});
 // Of one map and vocabulary.
 SegmentStatistics write_due_segments(Store& store, MapId map, VocabularyId vocabulary,

@@ -170,6 +170,21 @@ TEST_F(SegmentStoreTest, UploadsDeletionsAndSegmentsGoOnAtOnce) {
             0);
 }
 
+TEST_F(SegmentStoreTest, ASegmentThatComesTooLateIsNotStored) {
+  for (int i = 0; i < 60; ++i) grow(map_);
+  for (int round = 0; round < 10; ++round) {
+    std::vector<std::thread> writers;
+    for (int t = 0; t < 3; ++t) {
+      writers.emplace_back([&] { EXPECT_NO_THROW(write_due_segments(store_, {3, 3, 27})); });
+    }
+    for (std::thread& writer : writers) writer.join();
+    expect_all_agree(map_);
+    WriteTransaction db = store_.write();
+    drop_segments(db, map_, vocabulary_);
+    db.commit();
+  }
+}
+
 TEST_F(SegmentStoreTest, DamageIsTold) {
   for (int i = 0; i < 8; ++i) grow(map_);
   write_due_segments(store_, {8, 2, 8});
