@@ -143,9 +143,12 @@ std::string draw_share(Points points, const PanelSpec& panel, const Axis& time, 
   if (!(last > 0)) return "";
   const Axis axis(panel.most, panel.ticks, top + panel.height_px, top);
   std::string content = "<g class=\"share\">\n";
+  constexpr double kLabelHeight = 14;
+  const bool room_for_quarters = axis.at(0) - axis.at(last / 4) >= kLabelHeight;
   for (const int percent : {0, 25, 50, 75, 100}) {
     const double y = axis.at(last * percent / 100);
     if (y < top - 1) break;
+    if (percent < 100 && !room_for_quarters) continue;
     content += line(kRight, y, kRight + 4, y, std::string("stroke=\"") + kFaintInk + "\" stroke-width=\"1\"");
     content += text_at(kRight + 9, y + 4, std::to_string(percent) + " %", {.size_px = 12, .colour = kFaintInk});
   }
