@@ -6,22 +6,29 @@
 
 namespace mapweld {
 
-BruteForce::BruteForce(MergeInput input) : PairMerger(std::move(input)) {
+BruteForce::BruteForce(MergeInput input) : PairMerger(std::move(input), true) {
   state_.phase = MergePhase::kVerification;
-  finish_when_exhausted();
+  advance();
+}
+
+void BruteForce::upcoming(std::size_t most, std::vector<Candidate>& candidates) const {
+  const PairSearch& search = state_.search;
+  for (std::size_t i = search.pending_next; i < search.pending.size() && candidates.size() < most; ++i) {
+    candidates.push_back(search.pending[i]);
+  }
 }
 
 void BruteForce::step() {
   if (done()) throw std::logic_error("a merge that is done has no next step");
   PairSearch& search = state_.search;
   if (search.pending_next < search.pending.size()) {
-    verify(search.pending[search.pending_next]);
+    verify_final(search.pending[search.pending_next]);
     ++search.pending_next;
   } else {
     vote();
   }
   ++state_.step;
-  finish_when_exhausted();
+  advance();
 }
 
 void BruteForce::vote() {
@@ -41,10 +48,15 @@ void BruteForce::vote() {
   ++search.next_row;
 }
 
-void BruteForce::finish_when_exhausted() {
-  const PairSearch& search = state_.search;
-  if (search.next_row == votes().rows() && search.pending_next == search.pending.size()) {
+void BruteForce::advance() {
+  const auto is_exhausted = [this] {
+    const PairSearch& search = state_.search;
+    return search.next_row == votes().rows() && search.pending_next == search.pending.size();
+  };
+  while (is_exhausted()) {
+    if (next_pair()) continue;
     state_.phase = MergePhase::kDone;
+    return;
   }
 }
 

@@ -18,8 +18,9 @@ class BruteForce final : public PairMerger {
   void step() override;
 
  private:
+  void upcoming(std::size_t most, std::vector<Candidate>& candidates) const override;
   void vote();
-  void finish_when_exhausted();
+  void advance();
   std::vector<std::uint32_t> row_votes_;  // scratch
 };
 

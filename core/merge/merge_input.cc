@@ -1,7 +1,5 @@
 #include "core/merge/merge_input.h"
 
-#include <stdexcept>
-
 namespace mapweld {
 
 std::vector<MergeMember> number_members(const std::vector<std::uint32_t>& sizes) {
@@ -17,10 +15,17 @@ std::vector<MergeMember> number_members(const std::vector<std::uint32_t>& sizes)
   return members;
 }
 
-MemberPair order_members(const std::vector<MergeMember>& members) {
-  if (members.size() != 2) throw std::invalid_argument("a merge takes two maps");
-  const bool first_is_smaller = members[0].vertices.size() < members[1].vertices.size();
-  return first_is_smaller ? MemberPair{1, 0} : MemberPair{0, 1};
+MemberPair order_members(const std::vector<MergeMember>& members, std::size_t i, std::size_t j) {
+  const bool first_is_smaller = members.at(i).vertices.size() < members.at(j).vertices.size();
+  return first_is_smaller ? MemberPair{j, i} : MemberPair{i, j};
+}
+
+std::vector<MemberPair> all_member_pairs(const std::vector<MergeMember>& members) {
+  std::vector<MemberPair> pairs;
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    for (std::size_t j = i + 1; j < members.size(); ++j) pairs.push_back(order_members(members, i, j));
+  }
+  return pairs;
 }
 
 }  // namespace mapweld

@@ -11,6 +11,7 @@
 
 namespace mapweld {
 
+class Executor;
 class VoteSource;
 
 // Numbers: the merged map numbers its vertices member by member, in the order given (http-api.md, "Numbers"); all ids
@@ -42,23 +43,30 @@ class AppearanceTable final : public AppearanceSource {
 };
 
 struct MergeInput {
-  std::vector<MergeMember> members;  // in the order given; two today
+  std::vector<MergeMember> members;  // in the order given; two or more
   std::vector<Edge> inner_edges;     // of all members
   std::shared_ptr<const AppearanceSource> appearances;
   std::shared_ptr<const PairVerifier> verifier;  // how a pair is verified
-  std::shared_ptr<const VoteSource> votes;       // where candidates come from; null: the words of `appearances`
+  // Where the candidates of a merge of two members come from; null, and with more members: the words of `appearances`.
+  std::shared_ptr<const VoteSource> votes;
+  // Verifies pairs ahead, many at once; null: one by one, when their turn comes. The merge is the same.
+  std::shared_ptr<const Executor> executor;
   MergeOptions options;
 };
 
 // Members of the given sizes, numbered one after the other from 0.
 std::vector<MergeMember> number_members(const std::vector<std::uint32_t>& sizes);
 
-// Which two members a pairwise method works on. m1 is the larger map, m2 the smaller; of two equal ones the later given
+// Which two members are merged with each other. m1 is the larger map, m2 the smaller; of two equal ones the later given
 // is m2 (paper, section V: |V1| >= |V2|).
 struct MemberPair {
   std::size_t m1 = 0;
   std::size_t m2 = 1;
+  friend auto operator<=>(const MemberPair&, const MemberPair&) = default;
 };
-MemberPair order_members(const std::vector<MergeMember>& members);
+// Of two members, i < j.
+MemberPair order_members(const std::vector<MergeMember>& members, std::size_t i = 0, std::size_t j = 1);
+// All pairs of members: (0, 1), (0, 2), ..., (1, 2), ...
+std::vector<MemberPair> all_member_pairs(const std::vector<MergeMember>& members);
 
 }  // namespace mapweld

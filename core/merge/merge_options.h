@@ -18,7 +18,10 @@ struct MergeOptions {
   friend bool operator==(const MergeOptions&, const MergeOptions&) = default;
 };
 
-// The names of the methods that can be had, the paper's own first: "quickconnect", "brute-force".
+// The names of the methods that can be had, the paper's own first (docs/merging.md, "Methods").
 const std::vector<std::string_view>& merge_methods();
+
+// Whether a method draws at random, so that another seed is another order.
+bool is_randomised(std::string_view method);
 
 }  // namespace mapweld

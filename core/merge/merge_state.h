@@ -57,17 +57,24 @@ struct PairSearch {
   std::uint64_t postponed_next = 0;
   std::vector<std::uint8_t> source_processed;  // by row: an edge was inserted from it
   std::uint32_t next_row = 0;                  // brute force, voting: the next image of m2
+  std::uint64_t attempts = 0;                  // random methods: pairs drawn so far
+  std::vector<std::uint32_t> drawn;            // degree-min: by row, how many of its targets have been drawn
   friend bool operator==(const PairSearch&, const PairSearch&) = default;
 };
 
 struct MergeState {
   std::string method;
-  std::uint64_t input_fingerprint = 0;  // a state resumes only on the input that it came from
+  std::uint64_t input_fingerprint = 0;  // a state resumes only on the members that it came from,
+  std::uint64_t rules_fingerprint = 0;  // with the method, options and verifier that it came from
   MergePhase phase = MergePhase::kExploration;
   std::uint64_t step = 0;              // transitions made
   std::uint64_t verifications = 0;     // candidates with a verdict = edges + rejected
   std::uint64_t candidates_known = 0;  // pairs that have reached min_votes
   std::uint64_t random = 0;            // state of core/merge/random.h
+  // So many of `edges` and `rejected`, from the front, were there before the maps grew.
+  std::uint64_t inherited_edges = 0;
+  std::uint64_t inherited_rejected = 0;
+  std::uint32_t pair = 0;  // of members, that `search` is about; in the order in which pairs are merged
   PairSearch search;
   std::vector<MergeEdge> edges;        // in order of insertion
   std::vector<RejectedPair> rejected;  // in order of verification

@@ -1,7 +1,9 @@
 // The step interface that every merge method stands behind.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "core/graph/appearance_graph.h"
 #include "core/merge/merge_input.h"
@@ -32,6 +34,8 @@ class Merger {
   const MergeInput& input() const { return input_; }
   // Words in the queue altogether, processed ones included; 0 for a method that does not go by words.
   virtual std::uint32_t words_total() const { return 0; }
+  // How many candidates there are altogether, where that is known before they have all been found.
+  virtual std::optional<std::uint64_t> candidates_total() const { return std::nullopt; }
 
  protected:
   // At the beginning: the merged graph has the inner edges only.
@@ -46,13 +50,19 @@ class Merger {
 
  private:
   friend std::unique_ptr<Merger> make_merger(MergeInput input, MergeState state);
+  friend std::unique_ptr<Merger> make_grown_merger(MergeInput input, MergeState before);
 };
 
-// A fresh merge. Throws std::invalid_argument for an unknown method, a number of members other than two, or options out
-// of range.
+// A fresh merge. Throws std::invalid_argument for an unknown method, fewer than two members, or options out of range.
 std::unique_ptr<Merger> make_merger(MergeInput input);
 
 // Goes on from `state`. Throws FormatError when it belongs to another method, other members or other options.
 std::unique_ptr<Merger> make_merger(MergeInput input, MergeState state);
+
+// A merge whose members have grown since `before` (a state of the same merge: method, options and verifier; merged
+// numbers stay, new vertices have new ones). The search for candidates begins anew; every verdict stays, is not asked
+// for again, and counts as made. At its end there are the edges of a fresh merge of the grown maps. Throws FormatError
+// when `before` belongs to another merge.
+std::unique_ptr<Merger> make_grown_merger(MergeInput input, MergeState before);
 
 }  // namespace mapweld

@@ -1,34 +1,70 @@
-// What the methods that merge one pair of members share: the vote source, and what becomes of a verdict.
+// What the methods share that go from one pair of members to the next: whose votes are searched, and what becomes of a
+// verdict.
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include "core/merge/merger.h"
+#include "core/merge/verification_ahead.h"
 #include "core/merge/vote_source.h"
 
 namespace mapweld {
 
+// Two members are one pair. Of more, all pairs are merged one after the other, that with the most candidates first
+// (ties: in the order of the members); MergeState::pair says which one is in hand, and MergeState::search is about it.
 class PairMerger : public Merger {
+ public:
+  std::optional<std::uint64_t> candidates_total() const override { return candidates_total_; }
+
  protected:
-  // `input.votes` is set.
-  explicit PairMerger(MergeInput input);
+  // With `counts_candidates` all votes are counted once, so that candidates_total() is known; with more than two
+  // members they are anyway, to find the order of the pairs.
+  PairMerger(MergeInput input, bool counts_candidates);
   void resume(MergeState state) override;
 
-  const VoteSource& votes() const { return *input_.votes; }
-  VertexId source(std::uint32_t row) const { return m2_->vertices[row]; }
-  VertexId target(std::uint32_t column) const { return m1_->vertices[column]; }
+  const VoteSource& votes() const { return *votes_; }
+  VertexId source(std::uint32_t row) const { return input_.members[pair_.m2].vertices[row]; }
+  VertexId target(std::uint32_t column) const { return input_.members[pair_.m1].vertices[column]; }
   std::uint32_t row(VertexId source) const { return position_[to_index(source)]; }
   std::uint32_t column(VertexId target) const { return position_[to_index(target)]; }
+  // Takes up the pair of members that a state to be resumed is at, with a fresh search. Throws FormatError for a number
+  // that is none. PairMerger::resume does it too.
+  void select_pair(std::uint32_t pair);
+  // Goes on to the next pair of members, with a fresh search; false, and nothing changed, after the last.
+  bool next_pair();
 
-  // Verifies a candidate and records the verdict: an edge with its final votes, or a rejection. True: an edge.
+  // Voting, one image of m2: the candidates of row `search.next_row`, those whose final votes reach min_votes, are
+  // appended to the sparse S with their final votes, and counted as known.
+  void vote_row();
+
+  // The verdict on a candidate of the pair in hand, recorded: an edge with its final votes, or a rejection. True: an
+  // edge. A pair whose verdict is known from before the maps grew is not verified again.
   bool verify(const Candidate& candidate);
+  // The same for a candidate of any pair whose votes are final.
+  bool verify_final(const Candidate& candidate);
+
+  // The candidates that will be verified next if all goes as it is expected to, for VerificationAhead: appends up to
+  // `most`. None by default: then every pair is verified when its turn comes.
+  virtual void upcoming(std::size_t /*most*/, std::vector<Candidate>& /*candidates*/) const {}
 
  private:
-  const MergeMember* m1_;
-  const MergeMember* m2_;
-  std::vector<std::uint32_t> position_;  // of each merged vertex in its member
-  std::vector<bool> in_m2_;              // by merged vertex
+  void open_pair();  // that of state_.pair
+  bool record(const Candidate& candidate, const std::function<std::uint32_t()>& final_votes);
+
+  std::vector<MemberPair> pairs_;  // in the order in which they are merged
+  MemberPair pair_;                // in hand
+  std::shared_ptr<const VoteSource> votes_;
+  std::optional<std::uint64_t> candidates_total_;
+  std::vector<std::uint32_t> position_;            // of each merged vertex in its member
+  std::vector<std::uint32_t> member_of_;           // of each merged vertex
+  std::unordered_map<std::uint64_t, bool> known_;  // accepted? by pair_key: verdicts from before the maps grew
+  VerificationAhead ahead_;
+  std::vector<std::uint32_t> row_votes_, row_columns_, kept_votes_;  // scratch
 };
 
 }  // namespace mapweld

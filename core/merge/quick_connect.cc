@@ -8,7 +8,12 @@
 
 namespace mapweld {
 
-QuickConnect::QuickConnect(MergeInput input, Limits limits) : PairMerger(std::move(input)), limits_(limits) {
+QuickConnect::QuickConnect(MergeInput input, Limits limits) : PairMerger(std::move(input), true), limits_(limits) {
+  begin_pair();
+  advance_phase();
+}
+
+void QuickConnect::begin_pair() {
   PairSearch& search = state_.search;
   const std::uint32_t rows = votes().rows(), columns = votes().columns();
   const bool is_sparse = static_cast<std::uint64_t>(rows) * columns > limits_.dense_cells;
@@ -18,10 +23,11 @@ QuickConnect::QuickConnect(MergeInput input, Limits limits) : PairMerger(std::mo
   search.source_processed.assign(rows, 0);
   state_.phase = is_sparse ? MergePhase::kVoting : MergePhase::kExploration;
   rebuild_queue();
-  advance_phase();
 }
 
 void QuickConnect::resume(MergeState state) {
+  select_pair(state.pair);
+  begin_pair();
   const PairSearch& search = state.search;
   const SimilarityMatrix& fresh = state_.search.similarity;
   const std::size_t words = votes().words().size();
@@ -131,17 +137,38 @@ void QuickConnect::take_postponed() {
 }
 
 void QuickConnect::advance_phase() {
-  PairSearch& search = state_.search;
-  if (state_.phase == MergePhase::kVoting && search.next_row == votes().rows()) {
-    state_.phase = MergePhase::kExploration;
+  for (;;) {
+    const PairSearch& search = state_.search;
+    if (state_.phase == MergePhase::kVoting && search.next_row == votes().rows()) {
+      state_.phase = MergePhase::kExploration;
+    }
+    if (state_.phase == MergePhase::kExploration && search.words_processed == search.word_processed.size() &&
+        search.word_in_hand == PairSearch::kNoWord && search.pending_next == search.pending.size()) {
+      sort_postponed();
+      state_.phase = MergePhase::kRefinement;
+    }
+    if (state_.phase != MergePhase::kRefinement || search.postponed_next < search.postponed.size()) return;
+    if (!next_pair()) {
+      state_.phase = MergePhase::kDone;
+      return;
+    }
+    begin_pair();
   }
-  if (state_.phase == MergePhase::kExploration && search.words_processed == search.word_processed.size() &&
-      search.word_in_hand == PairSearch::kNoWord && search.pending_next == search.pending.size()) {
-    sort_postponed();
-    state_.phase = MergePhase::kRefinement;
+}
+
+void QuickConnect::upcoming(std::size_t most, std::vector<Candidate>& candidates) const {
+  const PairSearch& search = state_.search;
+  if (state_.phase == MergePhase::kRefinement) {
+    for (std::size_t i = search.postponed_next; i < search.postponed.size() && candidates.size() < most; ++i) {
+      candidates.push_back(search.postponed[i]);
+    }
+    return;
   }
-  if (state_.phase == MergePhase::kRefinement && search.postponed_next == search.postponed.size()) {
-    state_.phase = MergePhase::kDone;
+  // Of one source only the first: when it passes, the others are postponed.
+  for (std::size_t i = search.pending_next; i < search.pending.size() && candidates.size() < most; ++i) {
+    const Candidate& c = search.pending[i];
+    const bool is_first = std::ranges::find(candidates, c.source, &Candidate::source) == candidates.end();
+    if (is_first && !search.source_processed[row(c.source)]) candidates.push_back(c);
   }
 }
 

@@ -28,7 +28,8 @@ namespace mapweld {
 class QuickConnect final : public PairMerger {
  public:
   static constexpr std::string_view kName = "quickconnect";
-  static constexpr std::uint64_t kDenseCells = std::uint64_t{1} << 23;  // 16 MiB, written to a checkpoint in about 50 ms
+  static constexpr std::uint64_t kDenseCells = std::uint64_t{1}
+                                               << 23;  // 16 MiB, written to a checkpoint in about 50 ms
   // A word with more pairs of images than this is voted for in several steps.
   static constexpr std::uint64_t kPairsPerStep = std::uint64_t{1} << 22;
 
@@ -44,6 +45,8 @@ class QuickConnect final : public PairMerger {
 
  private:
   void resume(MergeState state) override;
+  void upcoming(std::size_t most, std::vector<Candidate>& candidates) const override;
+  void begin_pair();
   void keep_row();        // voting: one image of m2
   void vote();            // exploration: (a part of) one word
   void take_pending();    // exploration: one candidate of E

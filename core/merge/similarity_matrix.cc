@@ -74,6 +74,13 @@ void SimilarityMatrix::append_row(std::span<const std::uint32_t> columns) {
   offsets_.push_back(kept_columns_.size());
 }
 
+void SimilarityMatrix::append_row(std::span<const std::uint32_t> columns, std::span<const std::uint32_t> votes) {
+  append_row(columns);
+  for (std::size_t k = 0; k < votes.size(); ++k) {
+    votes_[votes_.size() - votes.size() + k] = static_cast<std::uint16_t>(std::min(votes[k], kMostVotes));
+  }
+}
+
 void SimilarityMatrix::add(std::span<const Posting> rows, std::span<const Posting> columns, VoteRule rule,
                            std::uint32_t min_votes, std::vector<Cell>& reached) {
   if (!is_sparse_) {

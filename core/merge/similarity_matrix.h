@@ -36,6 +36,8 @@ class SimilarityMatrix {
 
   // Sparse: keeps these columns (ascending) of the next row, with no votes yet. Rows are added in order, each once.
   void append_row(std::span<const std::uint32_t> columns);
+  // The same with all their votes already; past 65535 they count as 65535.
+  void append_row(std::span<const std::uint32_t> columns, std::span<const std::uint32_t> votes);
 
   // Adds the votes of one word that the images `rows` and `columns` have. Appends to `reached` the cells whose votes
   // reach `min_votes` with this word, with their votes now, in order of (row, column).

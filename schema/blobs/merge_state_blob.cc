@@ -170,11 +170,15 @@ MergeStatePart encode_state(const MergeState& state) {
   Content content;
   content.text(state.method);
   content.u64(state.input_fingerprint);
+  content.u64(state.rules_fingerprint);
   content.u8(static_cast<std::uint8_t>(state.phase));
   content.varint(state.step);
   content.varint(state.verifications);
   content.varint(state.candidates_known);
   content.u64(state.random);
+  content.varint(state.inherited_edges);
+  content.varint(state.inherited_rejected);
+  content.varint(state.pair);
   content.varint(search.words_processed);
   content.varint(search.word_in_hand == PairSearch::kNoWord ? 0 : std::uint64_t{search.word_in_hand} + 1);
   content.varint(search.word_next_row);
@@ -184,6 +188,9 @@ MergeStatePart encode_state(const MergeState& state) {
   content.varint(search.postponed.size());
   content.varint(search.postponed_next);
   content.varint(search.next_row);
+  content.varint(search.attempts);
+  content.varint(search.drawn.size());
+  for (const std::uint32_t drawn : search.drawn) content.varint(drawn);
   content.varint(state.edges.size());
   content.varint(state.rejected.size());
   return std::move(content).pack("state");
@@ -202,6 +209,7 @@ Totals decode_state(const MergeStatePart& part, MergeState& state) {
   Totals totals;
   state.method = content.text();
   state.input_fingerprint = content.u64();
+  state.rules_fingerprint = content.u64();
   const std::uint8_t phase = content.u8();
   if (phase > static_cast<std::uint8_t>(MergePhase::kDone)) content.fail();
   state.phase = static_cast<MergePhase>(phase);
@@ -209,6 +217,9 @@ Totals decode_state(const MergeStatePart& part, MergeState& state) {
   state.verifications = content.varint();
   state.candidates_known = content.varint();
   state.random = content.u64();
+  state.inherited_edges = content.varint();
+  state.inherited_rejected = content.varint();
+  state.pair = content.varint32();
   search.words_processed = content.varint32();
   const std::uint64_t word = content.varint();
   if (word > UINT32_MAX) content.fail();
@@ -220,6 +231,9 @@ Totals decode_state(const MergeStatePart& part, MergeState& state) {
   totals.postponed = content.varint();
   search.postponed_next = content.varint();
   search.next_row = content.varint32();
+  search.attempts = content.varint();
+  search.drawn.resize(content.count());
+  for (std::uint32_t& drawn : search.drawn) drawn = content.varint32();
   totals.edges = content.varint();
   totals.rejected = content.varint();
   content.finish();
@@ -345,12 +359,16 @@ bool search_is_open(MergePhase phase) { return phase == MergePhase::kVoting || p
 
 }  // namespace
 
-MergeStateMark mark_of(const MergeState& state) { return {state.phase, state.rejected.size()}; }
+MergeStateMark mark_of(const MergeState& state) {
+  return {state.phase, state.pair, state.inherited_edges + state.inherited_rejected, state.rejected.size()};
+}
 
 std::vector<MergeStatePart> encode_merge_state(const MergeState& state, const std::optional<MergeStateMark>& stored) {
   std::vector<MergeStatePart> parts;
   parts.push_back(encode_state(state));
-  if (!stored || search_is_open(stored->phase)) {
+  const bool is_another_search =
+      stored && (stored->pair != state.pair || stored->inherited != state.inherited_edges + state.inherited_rejected);
+  if (!stored || is_another_search || search_is_open(stored->phase)) {
     parts.push_back(encode_similarity(state.search.similarity));
     parts.push_back(encode_queue(state.search));
     parts.push_back(encode_postponed(state.search));

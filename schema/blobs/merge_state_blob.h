@@ -6,10 +6,12 @@
 // bit each, the lowest first. A candidate is (source, target, votes).
 //
 // part           changes           content
-// "state"        always            method (length, bytes); input_fingerprint (u64 little-endian); phase (byte); step;
-//                                  verifications; candidates_known; random (u64 little-endian); words_processed;
-//                                  word_in_hand + 1 (0: none); word_next_row; pending: count, next, candidates; number
-//                                  of postponed candidates, next; next_row; number of edges; number of rejected pairs
+// "state"        always            method (length, bytes); input_fingerprint, rules_fingerprint (u64 little-endian);
+//                                  phase (byte); step; verifications; candidates_known; random (u64 little-endian);
+//                                  inherited_edges; inherited_rejected; pair; words_processed; word_in_hand + 1 (0:
+//                                  none); word_next_row; pending: count, next, candidates; number of postponed
+//                                  candidates, next; next_row; attempts; drawn: count, numbers; number of edges; number
+//                                  of rejected pairs
 // "similarity"   voting,           is_sparse (byte); rows; columns; sparse only: rows kept so far, then for each row
 // the
 //                exploration       number of its cells and each cell's column as distance from the one before; then
@@ -44,6 +46,8 @@ struct MergeStatePart {
 // What of a state is stored already; tells the next checkpoint what to leave out.
 struct MergeStateMark {
   MergePhase phase = MergePhase::kVoting;
+  std::uint32_t pair = 0;
+  std::uint64_t inherited = 0;
   std::uint64_t rejected = 0;
 };
 MergeStateMark mark_of(const MergeState& state);

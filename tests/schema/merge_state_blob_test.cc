@@ -60,12 +60,19 @@ std::unique_ptr<Merger> merger_of(MergeInput input, const std::string& variant) 
 
 test::ToyWorld world_of(std::uint32_t seed, const std::string& variant) {
   test::ToyWorld world = test::toy_world(seed);
-  if (variant == "brute-force") world.method = variant;
+  if (std::ranges::find(merge_methods(), variant) != merge_methods().end()) world.method = variant;
+  if (variant == "several") world.sizes = {7, 9, 6};
   return world;
 }
 
+std::vector<std::string> variants() {
+  std::vector<std::string> all{"dense", "sparse", "several"};
+  for (const std::string_view method : merge_methods()) all.emplace_back(method);
+  return all;
+}
+
 TEST(MergeStateBlob, KeepsTheStateAtEveryStep) {
-  for (const std::string variant : {"dense", "sparse", "brute-force"}) {
+  for (const std::string& variant : variants()) {
     for (std::uint32_t seed = 0; seed < 14; ++seed) {
       const auto merger = merger_of(make_toy_merge(world_of(seed, variant)), variant);
       PartStore always;
@@ -81,7 +88,7 @@ TEST(MergeStateBlob, KeepsTheStateAtEveryStep) {
 
 TEST(MergeStateBlob, KeepsTheStateWhenSavedNowAndThen) {
   std::mt19937 random(3);
-  for (const std::string variant : {"dense", "sparse", "brute-force"}) {
+  for (const std::string& variant : variants()) {
     for (std::uint32_t seed = 0; seed < 40; ++seed) {
       const auto merger = merger_of(make_toy_merge(world_of(seed, variant)), variant);
       PartStore store;
@@ -97,7 +104,7 @@ TEST(MergeStateBlob, KeepsTheStateWhenSavedNowAndThen) {
 // run(n) equals run(k), save, load, run(n - k).
 TEST(MergeStateBlob, IsEnoughToGoOnFrom) {
   std::mt19937 random(1);
-  for (const char* method : {"quickconnect", "brute-force"}) {
+  for (const std::string_view method : merge_methods()) {
     for (std::uint32_t seed = 0; seed < 40; ++seed) {
       test::ToyWorld world = test::toy_world(seed);
       world.method = method;

@@ -17,8 +17,8 @@ StopCondition stop_at_step(std::uint64_t step) {
 
 TEST(Resume, GoesOnExactlyWhereTheMergeStopped) {
   std::mt19937 random(1);
-  for (const char* method : {"quickconnect", "brute-force"}) {
-    for (std::uint32_t seed = 0; seed < 60; ++seed) {
+  for (const std::string_view method : merge_methods()) {
+    for (std::uint32_t seed = 0; seed < 40; ++seed) {
       test::ToyWorld world = test::toy_world(seed);
       world.method = method;
       const MergeInput input = make_toy_merge(world);
@@ -44,7 +44,7 @@ TEST(Resume, GoesOnExactlyWhereTheMergeStopped) {
 }
 
 TEST(Resume, AfterEveryStepIsTheSameToo) {
-  for (const char* method : {"quickconnect", "brute-force"}) {
+  for (const std::string_view method : merge_methods()) {
     test::ToyWorld world;
     world.method = method;
     const MergeInput input = make_toy_merge(world);
