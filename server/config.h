@@ -15,6 +15,7 @@ struct ServerConfig {
   HttpOptions http;
   int extract_threads = 0;                          // 0: one a core
   int merge_workers = 1;                            // merges that run at the same time
+  int verify_threads = 0;                           // on which merges verify pairs; 0: one a core
   double checkpoint_interval_s = 0.5;               // of a running merge, where checkpoints are cheap enough
   std::size_t cache_mb = 1024;                      // maps kept in memory
   std::optional<std::filesystem::path> vocabulary;  // default vocabulary; none: the shipped one

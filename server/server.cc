@@ -20,11 +20,14 @@
 namespace mapweld::server {
 namespace {
 
+int cores() { return static_cast<int>(std::max(1u, std::thread::hardware_concurrency())); }
+
 MergeJobOptions job_options(const ServerConfig& config) {
   MergeJobOptions options;
   options.verifier = make_verifier;
   options.checkpoint_interval_s = config.checkpoint_interval_s;
   options.workers = config.merge_workers;
+  options.verify_threads = config.verify_threads > 0 ? config.verify_threads : cores();
   options.log = [](const std::string& line) { spdlog::warn("{}", line); };
   return options;
 }
@@ -32,7 +35,6 @@ MergeJobOptions job_options(const ServerConfig& config) {
 // How long after stop() the images of requests under way are still stored.
 constexpr std::chrono::seconds kUploadGrace{3};
 
-int cores() { return static_cast<int>(std::max(1u, std::thread::hardware_concurrency())); }
 
 }  // namespace
 

@@ -66,6 +66,7 @@ struct MergeState {
   std::string method;
   std::uint64_t input_fingerprint = 0;  // a state resumes only on the members that it came from,
   std::uint64_t rules_fingerprint = 0;  // with the method, options and verifier that it came from
+  std::uint32_t vertices = 0;           // of the merged map
   MergePhase phase = MergePhase::kExploration;
   std::uint64_t step = 0;              // transitions made
   std::uint64_t verifications = 0;     // candidates with a verdict = edges + rejected

@@ -39,7 +39,9 @@ void check(const MergeInput& input) {
 
 }  // namespace
 
-Merger::Merger(MergeInput input) : input_(std::move(input)), graph_(vertices_of(input_.members), input_.inner_edges) {}
+Merger::Merger(MergeInput input) : input_(std::move(input)), graph_(vertices_of(input_.members), input_.inner_edges) {
+  state_.vertices = graph_.vertices();
+}
 
 void Merger::resume(MergeState state) {
   if (state.verifications != state.edges.size() + state.rejected.size()) {
@@ -87,6 +89,7 @@ std::unique_ptr<Merger> make_merger(MergeInput input, MergeState state) {
 
 std::unique_ptr<Merger> make_grown_merger(MergeInput input, MergeState before) {
   std::unique_ptr<Merger> merger = make_merger(std::move(input));
+  if (before.vertices > merger->state().vertices) throw FormatError("a checkpoint of larger maps");
   if (before.rules_fingerprint != merger->state().rules_fingerprint) {
     throw FormatError("a checkpoint of another method, other options or another verifier");
   }

@@ -79,6 +79,12 @@ PairMerger::PairMerger(MergeInput input, bool counts_candidates)
   open_pair();
 }
 
+std::optional<std::uint64_t> PairMerger::candidates_total() const {
+  // Without a count beforehand there is one pair of members, whose votes come first.
+  if (!candidates_total_ && state_.phase != MergePhase::kVoting) return state_.candidates_known;
+  return candidates_total_;
+}
+
 void PairMerger::open_pair() {
   pair_ = pairs_.at(state_.pair);
   if (pairs_.size() > 1 || !votes_) votes_ = votes_of(input_, pair_);

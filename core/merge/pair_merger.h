@@ -19,7 +19,7 @@ namespace mapweld {
 // (ties: in the order of the members); MergeState::pair says which one is in hand, and MergeState::search is about it.
 class PairMerger : public Merger {
  public:
-  std::optional<std::uint64_t> candidates_total() const override { return candidates_total_; }
+  std::optional<std::uint64_t> candidates_total() const override;
 
  protected:
   // With `counts_candidates` all votes are counted once, so that candidates_total() is known; with more than two

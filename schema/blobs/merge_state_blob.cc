@@ -171,6 +171,7 @@ MergeStatePart encode_state(const MergeState& state) {
   content.text(state.method);
   content.u64(state.input_fingerprint);
   content.u64(state.rules_fingerprint);
+  content.varint(state.vertices);
   content.u8(static_cast<std::uint8_t>(state.phase));
   content.varint(state.step);
   content.varint(state.verifications);
@@ -210,6 +211,7 @@ Totals decode_state(const MergeStatePart& part, MergeState& state) {
   state.method = content.text();
   state.input_fingerprint = content.u64();
   state.rules_fingerprint = content.u64();
+  state.vertices = content.varint32();
   const std::uint8_t phase = content.u8();
   if (phase > static_cast<std::uint8_t>(MergePhase::kDone)) content.fail();
   state.phase = static_cast<MergePhase>(phase);

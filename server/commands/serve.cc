@@ -132,6 +132,12 @@ void add_serve_command(CLI::App& app) {
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   command
+      ->add_option("--verify-threads", config->verify_threads,
+                   "Pairs verified at the same time by merges; 0: one a core")
+      ->envname("MAPWELD_VERIFY_THREADS")
+      ->check(CLI::Range(0, 256))
+      ->capture_default_str();
+  command
       ->add_option("--checkpoint-interval", config->checkpoint_interval_s,
                    "Seconds between the checkpoints of a running merge, where they are cheap enough")
       ->envname("MAPWELD_CHECKPOINT_INTERVAL")

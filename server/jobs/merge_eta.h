@@ -6,25 +6,18 @@
 
 namespace mapweld::server {
 
-// Verifications are nearly all of a merge's work; their number is known beforehand by counting all votes once. The rate
-// is that of this run, everything included: steps, checkpoints and metrics.
-class MergeEta {
- public:
-  MergeEta(std::uint64_t candidates, std::uint64_t verifications_before)
-      : candidates_(candidates), before_(verifications_before) {}
+inline constexpr std::uint64_t kLeastVerificationsForEta = 20;
 
-  // Nothing while fewer than kLeastVerifications tell a rate.
-  std::optional<double> seconds(std::uint64_t verifications, double run_s) const {
-    if (verifications >= candidates_) return 0.0;
-    const std::uint64_t done = verifications - before_;
-    if (done < kLeastVerifications) return std::nullopt;
-    return run_s / static_cast<double>(done) * static_cast<double>(candidates_ - verifications);
-  }
-
- private:
-  static constexpr std::uint64_t kLeastVerifications = 20;
-  std::uint64_t candidates_;
-  std::uint64_t before_;
-};
+// Verifications are nearly all of a merge's work. The rate is that of this run, which has lasted `run_s` and began with
+// `verifications_before`: steps, checkpoints and metrics included. Nothing while the number of candidates is not known,
+// or too few verifications tell a rate.
+inline std::optional<double> merge_eta_s(std::optional<std::uint64_t> candidates, std::uint64_t verifications,
+                                         std::uint64_t verifications_before, double run_s) {
+  if (!candidates) return std::nullopt;
+  if (verifications >= *candidates) return 0.0;
+  const std::uint64_t done = verifications - verifications_before;
+  if (done < kLeastVerificationsForEta) return std::nullopt;
+  return run_s / static_cast<double>(done) * static_cast<double>(*candidates - verifications);
+}
 
 }  // namespace mapweld::server

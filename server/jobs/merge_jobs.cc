@@ -14,6 +14,7 @@
 #include "server/jobs/merge_job_rows.h"
 #include "server/jobs/merge_run.h"
 #include "server/jobs/merge_submission.h"
+#include "server/jobs/pool_executor.h"
 #include "server/jobs/run_control.h"
 
 namespace mapweld::server {
@@ -57,7 +58,12 @@ Page<Item> make_page(const std::vector<Row>& rows, std::size_t limit, const Desc
 }  // namespace
 
 struct MergeJobs::Impl {
-  Impl(Store& store, MergeJobOptions options) : store_(store), options_(std::move(options)) {}
+  Impl(Store& store, MergeJobOptions options) : store_(store), options_(std::move(options)) {
+    if (options_.verify_threads > 1) {
+      verifying_ = std::make_unique<WorkerPool>(options_.verify_threads - 1);
+      executor_ = std::make_shared<PoolExecutor>(*verifying_);
+    }
+  }
 
   // A job without a worker changes its state only under `control_`, and is claimed by a worker under it; so whoever
   // holds it knows whether there is a worker to talk to. It is held over transactions, never while a job runs.
@@ -73,6 +79,8 @@ struct MergeJobs::Impl {
 
   Store& store_;
   MergeJobOptions options_;
+  std::unique_ptr<WorkerPool> verifying_;  // verify_threads - 1 threads; none: no executor
+  std::shared_ptr<const Executor> executor_;
   std::vector<std::thread> workers_;
 
   void start() {
@@ -109,7 +117,7 @@ struct MergeJobs::Impl {
     while (const std::optional<JobId> job = next_job()) {
       const std::shared_ptr<RunControl> run = claim(*job);
       if (!run) continue;
-      const RunOutcome outcome = run_merge(store_, *job, *run, options_);
+      const RunOutcome outcome = run_merge(store_, *job, *run, options_, executor_);
       const std::lock_guard lock(mutex_);
       if (!outcome.is_stored) unstored_failures_[*job] = outcome.error;
       const auto found = running_.find(*job);
@@ -341,6 +349,8 @@ MergeStatus MergeJobs::resume(std::int64_t id, const std::optional<MergeBudget>&
     }
     std::optional<std::string> new_budget;
     if (budget) new_budget = to_row(*budget);
+    const bool is_resumable = row.state != JobState::kCancelled && (is_at_rest(row.state) || has_failed_unstored);
+    const std::uint32_t gained = is_resumable ? extend_merged_map(db, row.map) : 0;
     switch (row.state) {
       case JobState::kPaused:
         break;
@@ -349,8 +359,13 @@ MergeStatus MergeJobs::resume(std::int64_t id, const std::optional<MergeBudget>&
         if (!new_budget) new_budget = to_row(MergeBudget{});
         break;
       case JobState::kCompleted:
-        throw MergeJobError("nothing_to_resume",
-                            "Merge " + std::to_string(id) + " is complete: every candidate has been verified.");
+        if (gained == 0) {
+          throw MergeJobError("nothing_to_resume", "Merge " + std::to_string(id) +
+                                                       " is complete: every candidate has been verified, and no "
+                                                       "member has grown since.");
+        }
+        if (!new_budget) new_budget = to_row(MergeBudget{});
+        break;
       case JobState::kQueued:
       case JobState::kRunning:
         if (has_failed_unstored) break;

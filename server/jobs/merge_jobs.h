@@ -52,7 +52,7 @@ struct MergeParameters {
 };
 
 struct MergeRequest {
-  std::vector<std::string> maps;  // members in the order that numbers the merged map's vertices; two
+  std::vector<std::string> maps;  // members in the order that numbers the merged map's vertices; two or more
   std::string name;               // of the merged map
   std::string method = "quickconnect";
   std::uint64_t seed = 0;
@@ -151,6 +151,7 @@ using VerifierFactory = std::function<std::shared_ptr<const PairVerifier>(const 
 struct MergeJobOptions {
   VerifierFactory verifier;            // required
   int workers = 1;                     // jobs that run at the same time
+  int verify_threads = 1;              // on which a job verifies pairs; the merge is the same for any number
   double checkpoint_interval_s = 0.5;  // between checkpoints, where they are cheap enough
   double checkpoint_cost_share = 0.1;  // of a job's time at most: a checkpoint of d seconds waits for d / share more
   double metrics_interval_s = 0.2;     // between exact eigenvalues, and how old what is polled may be
@@ -189,7 +190,8 @@ class MergeJobs {
   // Stops a queued or running job at its next step; it is paused and checkpointed when this returns.
   MergeStatus pause(std::int64_t id);
   // A budget is an allowance on top of what was spent; without one, `paused` keeps its remainder and the other states
-  // run unlimited. Serves paused, budget_exhausted and failed; completed is "nothing_to_resume".
+  // run unlimited. What the members have gained since is taken in, in the same transaction. Serves paused,
+  // budget_exhausted, failed, and completed when a member has grown ("nothing_to_resume" otherwise).
   MergeStatus resume(std::int64_t id, const std::optional<MergeBudget>& budget);
   // Final; the edges so far stay.
   MergeStatus cancel(std::int64_t id);

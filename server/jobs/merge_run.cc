@@ -11,7 +11,6 @@
 
 #include "core/merge/merge_metrics.h"
 #include "core/merge/run.h"
-#include "core/merge/vote_source.h"
 #include "schema/blobs/merge_state_blob.h"
 #include "schema/merge_store.h"
 #include "server/jobs/merge_eta.h"
@@ -35,11 +34,18 @@ Timestamp now() { return std::chrono::floor<std::chrono::microseconds>(std::chro
 // The job was deleted, or claimed by somebody else: this run has nothing to say any more.
 struct FencedOff {};
 
+std::uint32_t vertices_of(const MergeInput& input) {
+  std::size_t vertices = 0;
+  for (const MergeMember& member : input.members) vertices += member.vertices.size();
+  return static_cast<std::uint32_t>(vertices);
+}
+
 RunEnd end_of_failure(const std::string& error) { return {JobState::kFailed, "error", error, now()}; }
 
 class Run {
  public:
-  Run(Store& store, JobId job, RunControl& control, const MergeJobOptions& options, LoadedMerge loaded)
+  Run(Store& store, JobId job, RunControl& control, const MergeJobOptions& options,
+      std::shared_ptr<const Executor> executor, LoadedMerge loaded)
       : store_(store),
         job_(job),
         control_(control),
@@ -47,10 +53,16 @@ class Run {
         checkpoints_(options.checkpoint_interval_s, options.checkpoint_cost_share),
         metrics_pacer_(options.metrics_interval_s, options.metrics_cost_share),
         metrics_interval_s_(options.metrics_interval_s) {
+    loaded.input.executor = std::move(executor);
     if (loaded.state) {
-      mark_ = blobs::mark_of(*loaded.state);
       edges_stored_ = loaded.state->edges.size();
-      merger_ = make_merger(std::move(loaded.input), std::move(*loaded.state));
+      if (loaded.state->vertices < vertices_of(loaded.input)) {
+        // The members have grown since: nothing of the search that is stored is of use.
+        merger_ = make_grown_merger(std::move(loaded.input), std::move(*loaded.state));
+      } else {
+        mark_ = blobs::mark_of(*loaded.state);
+        merger_ = make_merger(std::move(loaded.input), std::move(*loaded.state));
+      }
       progress_.checkpoint_step = row_.step;
       const std::chrono::duration<double> age =
           row_.checkpoint_at ? now() - *row_.checkpoint_at : Timestamp::duration{};
@@ -58,9 +70,7 @@ class Run {
     } else {
       merger_ = make_merger(std::move(loaded.input));
     }
-    const MergeInput& input = merger_->input();
-    eta_ = MergeEta(count_candidates(*input.votes, input.options.votes, input.options.min_votes),
-                    merger_->state().verifications);
+    verifications_before_ = merger_->state().verifications;
   }
 
   void execute() {
@@ -153,11 +163,13 @@ class Run {
     progress_.step = state.step;
     progress_.words_done = state.search.words_processed;
     progress_.words_total = merger_->words_total();
-    progress_.candidates_known = state.candidates_known;
+    // After maps have grown the candidates are found anew, while their verdicts stay.
+    progress_.candidates_known = std::max(state.candidates_known, state.verifications);
     progress_.verifications = state.verifications;
     progress_.edges = state.edges.size();
     progress_.elapsed_s = published_s_;
-    progress_.eta_s = eta_.seconds(state.verifications, published_s_ - row_.spent.elapsed_s);
+    progress_.eta_s = merge_eta_s(merger_->candidates_total(), state.verifications, verifications_before_,
+                                  published_s_ - row_.spent.elapsed_s);
     control_.publish(progress_);
   }
 
@@ -233,7 +245,7 @@ class Run {
   RunControl& control_;
   MergeRow row_;  // as the run found it
   std::unique_ptr<Merger> merger_;
-  MergeEta eta_{0, 0};
+  std::uint64_t verifications_before_ = 0;  // made when the run began
   Clock::time_point began_;
   Pacer checkpoints_;
   Pacer metrics_pacer_;
@@ -279,7 +291,8 @@ RunOutcome fail(Store& store, JobId job, const RunControl& control, const std::s
 
 }  // namespace
 
-RunOutcome run_merge(Store& store, JobId job, RunControl& control, const MergeJobOptions& options) {
+RunOutcome run_merge(Store& store, JobId job, RunControl& control, const MergeJobOptions& options,
+                     std::shared_ptr<const Executor> executor) {
   try {
     std::optional<LoadedMerge> loaded =
         load_merge(store, job, options.verifier, [&control] { return control.command() != RunCommand::kNone; });
@@ -287,7 +300,7 @@ RunOutcome run_merge(Store& store, JobId job, RunControl& control, const MergeJo
       end_unloaded(store, job, control);
       return {};
     }
-    Run(store, job, control, options, std::move(*loaded)).execute();
+    Run(store, job, control, options, std::move(executor), std::move(*loaded)).execute();
     return {};
   } catch (const FencedOff&) {
     return {};

@@ -19,6 +19,7 @@ struct RunOutcome {
 // Loads the job, which `control.epoch()` has claimed, and steps it until it is done, its budget is spent or `control`
 // has a command; writes checkpoints and curve points as it goes and the job's new state at the end. Blocks until then.
 // A job that cannot go on becomes `failed`.
-RunOutcome run_merge(Store& store, JobId job, RunControl& control, const MergeJobOptions& options);
+RunOutcome run_merge(Store& store, JobId job, RunControl& control, const MergeJobOptions& options,
+                     std::shared_ptr<const Executor> executor);
 
 }  // namespace mapweld::server

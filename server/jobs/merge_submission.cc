@@ -96,12 +96,9 @@ void check(const MergeBudget& budget) {
 }
 
 void check(const MergeRequest& request) {
-  if (request.maps.size() < 2) refuse("too_few_members", "A merge takes two maps.");
+  if (request.maps.size() < 2) refuse("too_few_members", "A merge takes two maps or more.");
   if (std::set<std::string>(request.maps.begin(), request.maps.end()).size() != request.maps.size()) {
     refuse("duplicate_member", "A map cannot be merged with itself.");
-  }
-  if (request.maps.size() > 2) {
-    refuse("invalid_parameter", "This version merges two maps at a time; a merged map can be merged again.");
   }
   if (!contract::is_slug(request.name)) {
     refuse("invalid_name", "\"" + request.name + "\" cannot be the name of a map.");

@@ -2,12 +2,15 @@
 #include <cstdio>
 #include <exception>
 #include <random>
+#include <string>
+#include <tuple>
 
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "core/merge/merge_options.h"
 #include "schema/data_folder.h"
 #include "server/jobs/merge_jobs.h"
 #include "tests/server/jobs/stored_toy_maps.h"
@@ -16,14 +19,16 @@ namespace mapweld::server {
 namespace {
 
 using test::ToyWorld;
-constexpr int kKills = 20;
+constexpr int kKills = 10;  // of each method with each number of threads
 
 // In the child: opens the folder as a server does, lets the job go on by itself, and leaves when it is at rest.
-[[noreturn]] void serve(const std::filesystem::path& folder, const ToyWorld& world, std::int64_t job) {
+[[noreturn]] void serve(const std::filesystem::path& folder, const ToyWorld& world, int threads, std::int64_t job) {
   try {
     DataFolder data(folder);
-    const auto verifier = std::make_shared<test::SlowVerifier>(world.accept_share, std::chrono::microseconds(1000));
+    const auto verifier =
+        std::make_shared<test::SlowVerifier>(world.accept_share, std::chrono::microseconds(1000 * threads));
     MergeJobOptions options = test::job_options(verifier);
+    options.verify_threads = threads;
     options.checkpoint_interval_s = 0.004;
     options.checkpoint_cost_share = 0.5;
     options.metrics_interval_s = 0.01;
@@ -39,13 +44,16 @@ constexpr int kKills = 20;
   }
 }
 
-pid_t start_server(const std::filesystem::path& folder, const ToyWorld& world, std::int64_t job) {
+pid_t start_server(const std::filesystem::path& folder, const ToyWorld& world, int threads, std::int64_t job) {
   const pid_t child = ::fork();
-  if (child == 0) serve(folder, world, job);
+  if (child == 0) serve(folder, world, threads, job);
   return child;
 }
 
-void kill_twenty_times(const char* method) {
+class MergeJobsCrash : public ::testing::TestWithParam<std::tuple<std::string_view, int>> {};
+
+TEST_P(MergeJobsCrash, KilledAtRandomMomentsEndsTheSame) {
+  const auto [method, threads] = GetParam();
   ToyWorld world = test::toy_world(19);
   world.method = method;
   world.sizes = {60, 40};
@@ -62,7 +70,7 @@ void kill_twenty_times(const char* method) {
   int kills_while_running = 0;
   std::uint64_t before = 0;
   for (int kill = 0; kill < kKills; ++kill) {
-    const pid_t child = start_server(store.folder() / "data", world, job);
+    const pid_t child = start_server(store.folder() / "data", world, threads, job);
     ASSERT_GT(child, 0);
     ::usleep(1000 * static_cast<useconds_t>(15 + random() % 70));
     ::kill(child, SIGKILL);
@@ -87,7 +95,7 @@ void kill_twenty_times(const char* method) {
   }
   EXPECT_GE(kills_while_running, kKills / 2) << "the merge is over too soon for this test";
 
-  const pid_t child = start_server(store.folder() / "data", world, job);
+  const pid_t child = start_server(store.folder() / "data", world, threads, job);
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   ASSERT_TRUE(WIFEXITED(status));
@@ -97,8 +105,13 @@ void kill_twenty_times(const char* method) {
   EXPECT_EQ(test::stored_state(store, job), test::uninterrupted(world));
 }
 
-TEST(MergeJobsCrash, QuickConnectKilledTwentyTimesEndsTheSame) { kill_twenty_times("quickconnect"); }
-TEST(MergeJobsCrash, BruteForceKilledTwentyTimesEndsTheSame) { kill_twenty_times("brute-force"); }
+INSTANTIATE_TEST_SUITE_P(Methods, MergeJobsCrash,
+                         ::testing::Combine(::testing::ValuesIn(merge_methods()), ::testing::Values(1, 2, 4)),
+                         [](const auto& info) {
+                           std::string name(std::get<0>(info.param));
+                           std::erase(name, '-');
+                           return name + "On" + std::to_string(std::get<1>(info.param)) + "Threads";
+                         });
 
 }  // namespace
 }  // namespace mapweld::server

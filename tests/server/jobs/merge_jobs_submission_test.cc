@@ -121,7 +121,7 @@ TEST_F(MergeJobsSubmission, FixesWatermarksWhenItIsMade) {
 TEST_F(MergeJobsSubmission, OfAnEmptyMapIsDoneAtOnce) {
   const auto vocabulary = find_map(store_.read(), "a")->vocabulary;
   test::add_map(store_, "empty", vocabulary);
-  for (const char* method : {"quickconnect", "brute-force"}) {
+  for (const std::string method : {"quickconnect", "brute-force", "random", "degree-min"}) {
     MergeRequest request = test::request_of(world_, method);
     request.method = method;
     request.maps = {"empty", "a"};

@@ -29,7 +29,7 @@ std::vector<MergeEdgePoint> all_edges(const MergeJobs& jobs, std::int64_t id, st
 }
 
 TEST(MergeJobs, EndWithTheStateOfTheMergeInCore) {
-  for (const char* method : {"quickconnect", "brute-force"}) {
+  for (const std::string_view method : merge_methods()) {
     for (const std::uint32_t seed : {0u, 2u, 5u, 19u, 20u}) {
       ToyWorld world = test::toy_world(seed);
       world.method = method;

@@ -6,12 +6,14 @@
 #include "core/merge/run.h"
 #include "schema/blobs/merge_state_blob.h"
 #include "schema/edge_store.h"
+#include "schema/map_store.h"
 #include "schema/vertex_store.h"
 
 namespace mapweld::test {
 
 void store_toy_maps(Store& store, const ToyWorld& world, const std::string& first, const std::string& second) {
-  const MergeInput input = make_toy_merge(world);
+  std::vector<std::string> names{first, second};
+  while (names.size() < world.sizes.size()) names.emplace_back(1, static_cast<char>('a' + names.size()));
   VocabularyId vocabulary{};
   if (const auto known = find_vocabulary(store.read(), "words")) {
     vocabulary = known->id;
@@ -19,24 +21,33 @@ void store_toy_maps(Store& store, const ToyWorld& world, const std::string& firs
     vocabulary = add_vocabulary(store, "words");
   }
   WriteTransaction db = store.write();
+  for (std::size_t m = 0; m < world.sizes.size(); ++m) insert_map(db, new_map(names[m], vocabulary));
+  db.commit();
+  store_toy_vertices(store, world, names, world.sizes);
+}
+
+void store_toy_vertices(Store& store, const ToyWorld& world, const std::vector<std::string>& names,
+                        const std::vector<std::uint32_t>& counts) {
+  const MergeInput input = make_toy_merge(world);
+  WriteTransaction db = store.write();
   const VerifierId verifier = test_verifier(db);
-  for (std::size_t m = 0; m < 2; ++m) {
-    const MapId map = insert_map(db, new_map(m == 0 ? first : second, vocabulary));
+  for (std::size_t m = 0; m < names.size(); ++m) {
+    const MapRow map = *find_map(db, names[m]);
     const std::vector<VertexId>& vertices = input.members[m].vertices;
-    const std::uint32_t base = vertices.empty() ? 0 : to_index(vertices.front());
-    for (const VertexId v : vertices) {
+    for (std::uint32_t i = map.vertices; i < counts[m]; ++i) {
       std::vector<NewEdge> edges;
       for (const Edge& e : input.inner_edges) {
-        if (e.v != v) continue;
+        if (e.v != vertices[i]) continue;
         NewEdge edge;
-        edge.u = VertexId{to_index(e.u) - base};
+        edge.u = VertexId{to_index(e.u) - to_index(vertices.front())};
         edge.votes = e.weight;
         edge.verification.accepted = true;
         edge.verification.matches = edge.verification.inliers = static_cast<int>(e.weight);
         edges.push_back(edge);
       }
-      const AppearanceVector image = *input.appearances->appearances(v);
-      insert_vertex(db, map, vocabulary, new_image(std::to_string(to_index(v)), image), image, edges, verifier);
+      const AppearanceVector image = *input.appearances->appearances(vertices[i]);
+      const std::string name = std::to_string(to_index(vertices[i]));
+      insert_vertex(db, map.id, map.vocabulary, new_image(name, image), image, edges, verifier);
     }
   }
   db.commit();
@@ -44,7 +55,7 @@ void store_toy_maps(Store& store, const ToyWorld& world, const std::string& firs
 
 server::MergeRequest request_of(const ToyWorld& world, const std::string& name) {
   server::MergeRequest request;
-  request.maps = {"a", "b"};
+  for (std::size_t m = 0; m < world.sizes.size(); ++m) request.maps.emplace_back(1, static_cast<char>('a' + m));
   request.name = name;
   request.method = world.method;
   request.seed = world.seed;

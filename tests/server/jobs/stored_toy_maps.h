@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "core/merge/merge_state.h"
 #include "schema/store.h"
@@ -15,9 +16,13 @@
 
 namespace mapweld::test {
 
-// Maps "a" and "b" (or `names`) with the world's two members.
+// Maps "a" and "b" (or as they are named here), "c", ... with the world's members.
 void store_toy_maps(Store& store, const ToyWorld& world, const std::string& first = "a",
                     const std::string& second = "b");
+
+// The vertices of these maps that are not stored yet, up to so many in each: maps that grow.
+void store_toy_vertices(Store& store, const ToyWorld& world, const std::vector<std::string>& names,
+                        const std::vector<std::uint32_t>& counts);
 
 // A request for the merge of the world in core.
 server::MergeRequest request_of(const ToyWorld& world, const std::string& name = "ab");
