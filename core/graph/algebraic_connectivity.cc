@@ -2,18 +2,26 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 #include <Spectra/SymEigsSolver.h>
 
+#include "core/graph/approximate_cholesky.h"
 #include "core/graph/components.h"
+#include "core/graph/fiedler_iteration.h"
 #include "core/graph/grounded_laplacian.h"
+#include "core/graph/sparsify.h"
 
 namespace mapweld {
 namespace {
 
 using Vector = Eigen::VectorXd;
+
+constexpr double kOversampling = 4;
+constexpr int kMaxIterations = 500;
 
 std::vector<LaplacianEdge> weighted_edges(const AppearanceGraph& graph, Weighting weighting) {
   std::vector<LaplacianEdge> edges;
@@ -82,17 +90,10 @@ AlgebraicConnectivity measure(Vector x, const std::vector<LaplacianEdge>& edges,
   Eigen::Index greatest = 0;
   x.cwiseAbs().maxCoeff(&greatest);
   if (x[greatest] < 0) x = -x;
+  const RayleighQuotient quotient = rayleigh_quotient(x, edges);
   AlgebraicConnectivity result;
-  double numerator = 0;
-  Vector image = Vector::Zero(x.size());
-  for (const LaplacianEdge& e : edges) {
-    const double difference = x[e.u] - x[e.v];
-    numerator += e.weight * difference * difference;
-    image[e.u] += e.weight * difference;
-    image[e.v] -= e.weight * difference;
-  }
-  result.value = numerator / x.squaredNorm();
-  result.residual = (image - result.value * x).norm();
+  result.value = quotient.value;
+  result.residual = quotient.residual;
   result.fiedler = std::move(x);
   result.solver = solver;
   return result;
@@ -102,6 +103,30 @@ AlgebraicConnectivity solve_dense(const AppearanceGraph& graph, const std::vecto
                                   Weighting weighting) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(Eigen::MatrixXd(laplacian(graph, weighting)));
   return measure(solver.eigenvectors().col(1), edges, EigenSolver::kDense);
+}
+
+AlgebraicConnectivity solve_by_inverse(int n, int ground, const GroundedLaplacian& solver,
+                                       const std::vector<LaplacianEdge>& edges, EigenSolver how) {
+  PseudoInverse inverse(n, ground, solver);
+  for (int basis = 20;; basis *= 2) {
+    Spectra::SymEigsSolver<PseudoInverse> lanczos(inverse, 1, std::min(basis, n));
+    lanczos.init();
+    lanczos.compute(Spectra::SortRule::LargestAlge, 100, 1e-10);
+    if (lanczos.info() == Spectra::CompInfo::Successful) {
+      const Vector ritz = lanczos.eigenvectors().col(0);
+      Vector polished(n);
+      inverse.perform_op(ritz.data(), polished.data());
+      return measure(std::move(polished), edges, how);
+    }
+    if (basis >= n) throw std::runtime_error("algebraic connectivity did not converge");
+  }
+}
+
+std::optional<AlgebraicConnectivity> iterate(int n, const std::vector<LaplacianEdge>& edges, const Vector& start) {
+  const ApproximateCholesky preconditioner(n, sparsify(n, edges, kOversampling));
+  FiedlerIteration found = iterate_to_fiedler(n, edges, preconditioner, start, {.max_iterations = kMaxIterations});
+  if (!found.converged) return std::nullopt;
+  return measure(std::move(found.vector), edges, EigenSolver::kIteration);
 }
 
 }  // namespace
@@ -120,22 +145,11 @@ AlgebraicConnectivity algebraic_connectivity(const AppearanceGraph& graph,
   for (int v = 1; v < n; ++v) {
     if (graph.degree(VertexId(v)) > graph.degree(VertexId(ground))) ground = v;
   }
-  const std::unique_ptr<GroundedLaplacian> solver = ground_laplacian(n, ground, edges, options.max_factor_work);
-  PseudoInverse inverse(n, ground, *solver);
-  for (int basis = 20;; basis *= 2) {
-    Spectra::SymEigsSolver<PseudoInverse> lanczos(inverse, 1, std::min(basis, n));
-    lanczos.init();
-    lanczos.compute(Spectra::SortRule::LargestAlge, 100, 1e-10);
-    if (lanczos.info() == Spectra::CompInfo::Successful) {
-      const Vector ritz = lanczos.eigenvectors().col(0);
-      Vector polished(n);
-      inverse.perform_op(ritz.data(), polished.data());
-      const bool is_factored = solver->method() == GroundedLaplacian::Method::kCholesky;
-      return measure(std::move(polished), edges,
-                     is_factored ? EigenSolver::kCholesky : EigenSolver::kConjugateGradients);
-    }
-    if (basis >= n) throw std::runtime_error("algebraic connectivity did not converge");
+  if (const auto factor = factor_if_thin(n, ground, edges, options.max_factor_work_per_vertex * n)) {
+    return solve_by_inverse(n, ground, *factor, edges, EigenSolver::kCholesky);
   }
+  if (auto result = iterate(n, edges, options.start)) return *std::move(result);
+  return solve_by_inverse(n, ground, *conjugate_gradients(n, ground, edges), edges, EigenSolver::kConjugateGradients);
 }
 
 LargestComponentConnectivity largest_component_connectivity(const AppearanceGraph& graph,

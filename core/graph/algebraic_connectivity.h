@@ -13,14 +13,17 @@ namespace mapweld {
 
 struct AlgebraicConnectivityOptions {
   Weighting weighting = Weighting::kUnweighted;
-  // A sparse Cholesky factor that would need more multiplications than this is not made; conjugate gradients solve
-  // instead (graphs with many long-range edges fill the factor). 2e9 take about a second.
-  double max_factor_work = 2e9;
+  // A sparse Cholesky factor that would need more multiplications than this for each vertex is not made: in graphs
+  // with many long-range edges it fills, and preconditioned iteration is the faster.
+  double max_factor_work_per_vertex = 500;
+  // A vector near the Fiedler vector, for example of a graph with a few edges less; of another size: none. It saves
+  // steps where the iteration is used, and changes the result within its accuracy only.
+  Eigen::VectorXd start;
   std::uint32_t dense_up_to = 24;  // vertices; smaller graphs are left to the dense solver
 };
 
 // How the eigenvalue was found.
-enum class EigenSolver : std::uint8_t { kNone, kDense, kCholesky, kConjugateGradients };
+enum class EigenSolver : std::uint8_t { kNone, kDense, kCholesky, kIteration, kConjugateGradients };
 
 struct AlgebraicConnectivity {
   double value = 0;         // lambda_2; exactly 0 when the graph is disconnected or has fewer than two vertices
@@ -32,11 +35,15 @@ struct AlgebraicConnectivity {
   EigenSolver solver = EigenSolver::kNone;
 };
 
-// For a connected graph one vertex is grounded (its row and column dropped), which leaves a positive definite matrix;
-// its sparse LDL^T factor after a minimum degree ordering applies the pseudo-inverse of L, whose greatest
-// eigenvalue 1 / lambda_2 Lanczos finds in a few dozen solves. The value is then the Rayleigh quotient of the vector,
-// summed edge by edge, so that it is exact to about 1e-12 relative also when tiny. Deterministic. Edges of weight 0
-// count as absent under Weighting::kInliers.
+// Three ways. A thin graph (a walk, a grid): one vertex is grounded (its row and column dropped), which leaves a
+// positive definite matrix; its sparse LDL^T factor after a minimum degree ordering applies the pseudo-inverse of L,
+// whose greatest eigenvalue 1 / lambda_2 Lanczos finds in a few dozen solves. A graph whose factor would fill:
+// Davidson's iteration under an approximate factor (core/graph/fiedler_iteration.h), to a residual of 1e-8 of the
+// value. Should that not converge: Lanczos again, solving by conjugate gradients.
+//
+// The value is the Rayleigh quotient of the vector, summed edge by edge, so that it is exact relatively also when tiny:
+// to about 1e-12 by the factor, to 1e-8 and mostly 1e-12 by the iteration. Deterministic. Edges of weight 0 count as
+// absent under Weighting::kInliers.
 AlgebraicConnectivity algebraic_connectivity(const AppearanceGraph& graph,
                                              const AlgebraicConnectivityOptions& options = {});
 

@@ -18,7 +18,8 @@ namespace mapweld {
 // exactly. In practice the condition
 // number of L under it is a small constant, long-range edges or not.
 //
-// Graphs of high degree want to be made sparse first (core/graph/sparsify.h). Deterministic: the random numbers come from a fixed seed. Immutable once made.
+// Graphs of high degree want to be made sparse first (core/graph/sparsify.h). Deterministic: the random numbers come
+// from a fixed seed. Immutable once made.
 class ApproximateCholesky {
  public:
   // Loops are not allowed; parallel edges add up.

@@ -15,6 +15,7 @@ using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 
 constexpr double kRandomShare = 1e-3;
+constexpr std::size_t kProgressSteps = 5;
 constexpr double kCancelled = 0.05;  // what is left of a vector once the basis is taken out: below this, once more
 
 // Rows of neighbours; products as sums of differences, which lose nothing when x is smooth.
@@ -172,15 +173,24 @@ FiedlerIteration iterate_to_fiedler(int vertices, std::span<const LaplacianEdge>
   FiedlerIteration result;
   subspace.add(first_vector(vertices, preconditioner, start));
   Vector previous;
+  std::vector<double> values;
   while (true) {
     ++result.iterations;
     subspace.solve();
     result.vector = subspace.vector();
     Vector defect = subspace.image() - subspace.value() * result.vector;
-    result.converged = defect.norm() <= options.tolerance * subspace.value();
+    const double defect_size = defect.norm();
+    values.push_back(subspace.value());
+    const bool is_slow =
+        values.size() > kProgressSteps && defect_size < subspace.value() / 3 &&
+        values[values.size() - 1 - kProgressSteps] - values.back() <= options.least_progress * values.back();
+    result.converged = defect_size <= options.tolerance * subspace.value() || (options.least_progress > 0 && is_slow);
     if (result.converged || result.iterations >= options.max_iterations) break;
     if (subspace.size() == capacity) {
-      if (capacity == vertices - 1) break;  // the whole space: as exact as can be
+      if (capacity == vertices - 1) {  // the whole space: as exact as can be
+        result.converged = true;
+        break;
+      }
       subspace.restart(kept, previous);
     }
     previous = subspace.coefficients();
@@ -191,7 +201,6 @@ FiedlerIteration iterate_to_fiedler(int vertices, std::span<const LaplacianEdge>
   const RayleighQuotient quotient = rayleigh_quotient(result.vector, edges);
   result.value = quotient.value;
   result.residual = quotient.residual;
-  result.converged = result.residual <= options.tolerance * result.value;
   return result;
 }
 

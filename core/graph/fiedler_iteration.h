@@ -20,6 +20,9 @@ RayleighQuotient rayleigh_quotient(const Eigen::VectorXd& x, std::span<const Lap
 
 struct FiedlerIterationOptions {
   double tolerance = 1e-8;  // of the residual, relative to the value
+  // Also stop when five steps lowered the value by no more than this, relatively, and the residual is below a third of
+  // the value; 0: never.
+  double least_progress = 0;
   int max_iterations = 200;
   int basis = 12;  // vectors kept, each twice
   int kept = 4;    // Ritz vectors that survive when the basis is full
@@ -30,7 +33,7 @@ struct FiedlerIteration {
   double residual = 0;     // |L x - value x|
   Eigen::VectorXd vector;  // n, unit length, orthogonal to 1
   int iterations = 0;      // products with L
-  bool converged = false;  // residual <= tolerance * value
+  bool converged = false;  // it stopped by `tolerance` or `least_progress`, not by `max_iterations`
 };
 
 // Generalised Davidson with thick restart (Stathopoulos, Saad & Wu 1998) on the complement of 1 for the Laplacian of a

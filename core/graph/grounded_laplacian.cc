@@ -27,7 +27,6 @@ class CholeskySolver final : public GroundedLaplacian {
     const Eigen::VectorXd x = factor_.solve(permuted);
     return permutation_.transpose() * x;
   }
-  Method method() const override { return Method::kCholesky; }
 
  private:
   Permutation permutation_;
@@ -42,7 +41,6 @@ class ConjugateGradientSolver final : public GroundedLaplacian {
     gradients_.compute(matrix_);
   }
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const override { return gradients_.solve(b); }
-  Method method() const override { return Method::kConjugateGradients; }
 
  private:
   Matrix matrix_;
@@ -73,10 +71,7 @@ bool factor_is_affordable(const Matrix& matrix, double max_work) {
   return work <= max_work;
 }
 
-}  // namespace
-
-std::unique_ptr<GroundedLaplacian> ground_laplacian(int vertices, int ground, std::span<const LaplacianEdge> edges,
-                                                    double max_factor_work) {
+Matrix grounded_matrix(int vertices, int ground, std::span<const LaplacianEdge> edges) {
   const int n = vertices - 1;
   const auto position = [ground](int v) { return v < ground ? v : v - 1; };
   std::vector<Eigen::Triplet<double>> entries;
@@ -91,14 +86,25 @@ std::unique_ptr<GroundedLaplacian> ground_laplacian(int vertices, int ground, st
   }
   Matrix grounded(n, n);
   grounded.setFromTriplets(entries.begin(), entries.end());
+  return grounded;
+}
 
+}  // namespace
+
+std::unique_ptr<GroundedLaplacian> factor_if_thin(int vertices, int ground, std::span<const LaplacianEdge> edges,
+                                                  double max_work) {
+  const Matrix grounded = grounded_matrix(vertices, ground, edges);
   CholeskySolver::Permutation inverse;
   Eigen::AMDOrdering<int>()(grounded, inverse);
   const CholeskySolver::Permutation permutation = inverse.inverse();
-  Matrix permuted(n, n);
+  Matrix permuted(vertices - 1, vertices - 1);
   permuted = grounded.twistedBy(permutation);
-  if (factor_is_affordable(permuted, max_factor_work)) return std::make_unique<CholeskySolver>(permuted, permutation);
-  return std::make_unique<ConjugateGradientSolver>(std::move(grounded));
+  if (!factor_is_affordable(permuted, max_work)) return nullptr;
+  return std::make_unique<CholeskySolver>(permuted, permutation);
+}
+
+std::unique_ptr<GroundedLaplacian> conjugate_gradients(int vertices, int ground, std::span<const LaplacianEdge> edges) {
+  return std::make_unique<ConjugateGradientSolver>(grounded_matrix(vertices, ground, edges));
 }
 
 }  // namespace mapweld

@@ -17,18 +17,19 @@ struct LaplacianEdge {
 // Immutable once made.
 class GroundedLaplacian {
  public:
-  enum class Method { kCholesky, kConjugateGradients };
   virtual ~GroundedLaplacian() = default;
   // Solves L_g x = b; n - 1 entries each: vertex v stands at v, or at v - 1 past the ground.
   virtual Eigen::VectorXd solve(const Eigen::VectorXd& b) const = 0;
-  virtual Method method() const = 0;
 };
 
-// For a connected graph of n = `vertices` vertices. A sparse LDL^T factor after a minimum degree ordering (AMD) when
-// that takes at most `max_factor_work` multiplications, told beforehand from the elimination tree (Davis 2006,
-// section 4.4); otherwise conjugate gradients, preconditioned by an incomplete Cholesky factor, to a relative residual
-// of 1e-13.
-std::unique_ptr<GroundedLaplacian> ground_laplacian(int vertices, int ground, std::span<const LaplacianEdge> edges,
-                                                    double max_factor_work);
+// Both for a connected graph of n = `vertices` vertices.
+
+// A sparse LDL^T factor after a minimum degree ordering (AMD); nothing when that takes more than `max_work`
+// multiplications, told beforehand from the elimination tree (Davis 2006, section 4.4).
+std::unique_ptr<GroundedLaplacian> factor_if_thin(int vertices, int ground, std::span<const LaplacianEdge> edges,
+                                                  double max_work);
+
+// Conjugate gradients, preconditioned by an incomplete Cholesky factor, to a relative residual of 1e-13.
+std::unique_ptr<GroundedLaplacian> conjugate_gradients(int vertices, int ground, std::span<const LaplacianEdge> edges);
 
 }  // namespace mapweld

@@ -129,7 +129,8 @@ Certificate certify(const AppearanceGraph& graph, const LargestComponentConnecti
   const std::size_t inner = edges.size();
   const int n = static_cast<int>(largest.vertices.size());
   FiedlerIterationOptions iteration;
-  iteration.tolerance = options.tolerance;
+  iteration.tolerance = 1e-6;
+  iteration.least_progress = options.least_progress;
   iteration.max_iterations = options.max_iterations;
   const auto solve = [&](const Eigen::VectorXd& start) {
     FiedlerIteration found = iterate_to_fiedler(

@@ -20,10 +20,9 @@ struct OpenCandidate {
 };
 
 struct CertificateOptions {
-  // The eigenvectors of graph + R are sought until the residual is this small, relative to the value, or so many
-  // steps were made. The value is an upper bound however early it stops, and its error goes with the square of the
-  // residual.
-  double tolerance = 3e-3;
+  // The eigenvectors of graph + R are sought until five steps lower the value by no more than this, relatively, or so
+  // many steps were made. The value is an upper bound however early it stops.
+  double least_progress = 1e-3;
   int max_iterations = 60;
   double oversampling = 3;  // of the preconditioner's graph (core/graph/sparsify.h)
   // Two components count as likely to be joined when one of the candidates between them passes with this chance.

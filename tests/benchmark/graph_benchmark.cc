@@ -30,6 +30,21 @@ void AlgebraicConnectivityOfABuilding(benchmark::State& state) {
 }
 BENCHMARK(AlgebraicConnectivityOfABuilding)->Arg(500)->Arg(2000)->Arg(20000)->Unit(benchmark::kMillisecond);
 
+// The other solver than the one that is chosen: argument 2 is the multiplications allowed for each vertex.
+void AlgebraicConnectivityBy(benchmark::State& state) {
+  const AppearanceGraph graph =
+      test::random_map(static_cast<std::uint32_t>(state.range(0)), 4, 0.01 * static_cast<double>(state.range(1)), 1);
+  AlgebraicConnectivityOptions options;
+  options.max_factor_work_per_vertex = static_cast<double>(state.range(2));
+  AlgebraicConnectivity result;
+  for (auto _ : state) result = algebraic_connectivity(graph, options);
+  state.counters["lambda2"] = result.value;
+  state.counters["solver"] = static_cast<double>(result.solver);
+}
+BENCHMARK(AlgebraicConnectivityBy)
+    ->ArgsProduct({{500, 2000, 20000}, {0, 1, 3, 10}, {0, 200, 500, 2000, 1000000}})
+    ->Unit(benchmark::kMillisecond);
+
 // Nothing but a walk: the factor stays thin.
 void AlgebraicConnectivityOfAWalk(benchmark::State& state) {
   const AppearanceGraph graph = test::random_map(static_cast<std::uint32_t>(state.range(0)), 4, 0, 1);
