@@ -165,4 +165,22 @@ LargestComponentConnectivity largest_component_connectivity(const AppearanceGrap
   return result;
 }
 
+bool can_have_changed(const LargestComponentConnectivity& before, std::span<const std::pair<VertexId, VertexId>> added,
+                      double least_change) {
+  const Vector& x = before.connectivity.fiedler;
+  const auto entry = [&](VertexId v) -> std::optional<double> {
+    const auto found = std::ranges::lower_bound(before.vertices, v);
+    if (found == before.vertices.end() || *found != v || x.size() == 0) return std::nullopt;
+    return x[found - before.vertices.begin()];
+  };
+  double growth = 0;
+  for (const auto& [u, v] : added) {
+    const std::optional<double> at_u = entry(u), at_v = entry(v);
+    if (!at_u || !at_v) return true;
+    growth += (*at_u - *at_v) * (*at_u - *at_v);
+    if (growth > least_change * before.connectivity.value) return true;
+  }
+  return false;
+}
+
 }  // namespace mapweld

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -15,7 +17,7 @@ struct AlgebraicConnectivityOptions {
   Weighting weighting = Weighting::kUnweighted;
   // A sparse Cholesky factor that would need more multiplications than this for each vertex is not made: in graphs
   // with many long-range edges it fills, and preconditioned iteration is the faster.
-  double max_factor_work_per_vertex = 500;
+  double max_factor_work_per_vertex = 2000;
   // A vector near the Fiedler vector, for example of a graph with a few edges less; of another size: none. It saves
   // steps where the iteration is used, and changes the result within its accuracy only.
   Eigen::VectorXd start;
@@ -55,5 +57,12 @@ struct LargestComponentConnectivity {
 };
 LargestComponentConnectivity largest_component_connectivity(const AppearanceGraph& graph,
                                                             const AlgebraicConnectivityOptions& options = {});
+
+// Whether adding edges (of weight 1) to the graph that `before` tells of can have changed anything it tells by more
+// than `least_change`, relative for lambda_2 (unweighted). The old Fiedler vector x bounds the new value,
+//   lambda_2 <= new value <= lambda_2 + sum over the added edges of (x_u - x_v)^2;
+// an end outside of the largest component may change the components themselves. True does not say that it did.
+bool can_have_changed(const LargestComponentConnectivity& before, std::span<const std::pair<VertexId, VertexId>> added,
+                      double least_change = 1e-7);
 
 }  // namespace mapweld

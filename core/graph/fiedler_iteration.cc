@@ -77,6 +77,20 @@ Vector first_vector(int n, const ApproximateCholesky& preconditioner, const Vect
   return x / length + kRandomShare * smooth;
 }
 
+// The indicator of the vertex of least degree: lambda_2 of a graph with long-range edges is often little below that,
+// and its vector hardly more than this one.
+Vector loosest_vertex(int n, std::span<const LaplacianEdge> edges) {
+  Vector degree = Vector::Zero(n), indicator = Vector::Zero(n);
+  for (const LaplacianEdge& e : edges) {
+    degree[e.u] += e.weight;
+    degree[e.v] += e.weight;
+  }
+  Eigen::Index least = 0;
+  degree.minCoeff(&least);
+  indicator[least] = 1;
+  return indicator;
+}
+
 // An orthonormal basis V of a subspace of the complement of 1, L V, and V^T L V.
 class Subspace {
  public:
@@ -172,6 +186,7 @@ FiedlerIteration iterate_to_fiedler(int vertices, std::span<const LaplacianEdge>
   Subspace subspace(vertices, capacity, product);
   FiedlerIteration result;
   subspace.add(first_vector(vertices, preconditioner, start));
+  if (capacity > 2) subspace.add(preconditioner.solve(loosest_vertex(vertices, edges)));
   Vector previous;
   std::vector<double> values;
   while (true) {

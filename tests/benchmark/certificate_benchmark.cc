@@ -7,6 +7,8 @@
 #include "core/graph/fiedler_iteration.h"
 #include "core/graph/sparsify.h"
 #include "core/merge/certificate.h"
+#include "core/merge/merge_input.h"
+#include "core/merge/merge_metrics.h"
 #include "tests/core/graph/sample_graphs.h"
 
 namespace mapweld {
@@ -71,17 +73,23 @@ void Certify(benchmark::State& state) {
       ->Unit(benchmark::kMillisecond)
 BENCHMARK(Certify)->SIZES;
 
+// Argument 4: ten times the oversampling of the preconditioner.
 void CertifyWithLambdaKnown(benchmark::State& state) {
   const auto n = static_cast<std::uint32_t>(state.range(0));
   const AppearanceGraph graph = two_walks(n, static_cast<std::uint32_t>(state.range(2)));
   const std::vector<OpenCandidate> open = candidates(n, static_cast<std::uint32_t>(state.range(1)));
   const LargestComponentConnectivity largest = largest_component_connectivity(graph);
+  CertificateOptions options;
+  options.oversampling = 0.1 * static_cast<double>(state.range(3));
   Certificate result;
-  for (auto _ : state) result = certify(graph, largest, open);
+  for (auto _ : state) result = certify(graph, largest, open, options);
   report(state, result);
   state.counters["lambda2"] = largest.connectivity.value;
 }
-BENCHMARK(CertifyWithLambdaKnown)->SIZES;
+BENCHMARK(CertifyWithLambdaKnown)
+    ->ArgsProduct({{2000}, {20000}, {20, 1000}, {20, 30, 40}})
+    ->ArgsProduct({{20000}, {200000}, {20, 10000}, {20, 30, 40}})
+    ->Unit(benchmark::kMillisecond);
 
 std::vector<LaplacianEdge> laplacian_edges(const AppearanceGraph& graph) {
   std::vector<LaplacianEdge> edges;
@@ -136,6 +144,51 @@ void parts(benchmark::internal::Benchmark* b) {
 }
 BENCHMARK(ApproximateFactor)->Apply(parts);
 BENCHMARK(FiedlerIterations)->Apply(parts);
+
+// Metrics asked for after every `range(1)` new inter edges of 2,000, until 2,000 are in. range(2): 0 afresh each time,
+// 1 by the follower. range(3): 1 when the edges come place by place, 0 from anywhere.
+void FollowMetrics(benchmark::State& state) {
+  const auto n = static_cast<std::uint32_t>(state.range(0));
+  const std::uint32_t first = 2 * n / 3;
+  const std::vector<MergeMember> members = number_members({first, n - first});
+  std::vector<MergeEdge> edges;
+  std::mt19937 random(3);
+  AppearanceGraph seen(n);
+  for (std::uint32_t k = 0; edges.size() < 2000; ++k) {
+    const std::uint32_t at = state.range(3) == 1 ? k / 10 : static_cast<std::uint32_t>(random());
+    MergeEdge e;
+    e.v = VertexId{first + at % (n - first)};
+    e.u = VertexId{(2 * (to_index(e.v) - first) + static_cast<std::uint32_t>(random() % 20)) % first};
+    if (seen.add_edge(e.u, e.v, 1)) edges.push_back(e);
+  }
+  std::uint64_t computed = 0, asked = 0;
+  for (auto _ : state) {
+    AppearanceGraph graph = two_walks(n, 0);
+    MergeMetricsFollower follower;
+    MergeMetrics metrics;
+    asked = 0;
+    for (std::size_t k = 0; k < edges.size(); ++k) {
+      graph.add_edge(edges[k].u, edges[k].v, 20);
+      if ((k + 1) % static_cast<std::size_t>(state.range(1)) != 0) continue;
+      const std::span<const MergeEdge> inserted(edges.data(), k + 1);
+      metrics =
+          state.range(2) == 1 ? follower.measure(graph, members, inserted) : merge_metrics(graph, members, inserted);
+      ++asked;
+    }
+    benchmark::DoNotOptimize(metrics);
+    computed = follower.eigenvalues_computed();
+  }
+  state.counters["asked"] = static_cast<double>(asked);
+  state.counters["computed"] = static_cast<double>(state.range(2) == 1 ? computed : asked);
+}
+BENCHMARK(FollowMetrics)
+    ->Args({2000, 20, 0, 0})
+    ->Args({2000, 20, 1, 0})
+    ->Args({2000, 20, 0, 1})
+    ->Args({2000, 20, 1, 1})
+    ->Args({2000, 1, 1, 1})
+    ->Iterations(1)
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace mapweld

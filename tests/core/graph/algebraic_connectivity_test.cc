@@ -165,5 +165,57 @@ TEST(LargestComponent, IsJudgedAlone) {
   EXPECT_EQ(largest_component_connectivity(AppearanceGraph()).components, 0u);
 }
 
+TEST(AlgebraicConnectivity, FindsTheSameFromAnyStart) {
+  const AppearanceGraph graph = test::random_map(1200, 3, 0.9, 3);
+  const AlgebraicConnectivity cold = algebraic_connectivity(graph, only_iteration());
+  ASSERT_EQ(cold.solver, EigenSolver::kIteration);
+  AlgebraicConnectivityOptions options = only_iteration();
+  for (const Eigen::Index size : {1200, 7}) {
+    options.start = Eigen::VectorXd::LinSpaced(size, -1, 1);
+    expect_relative(algebraic_connectivity(graph, options).value, cold.value, 1e-9, "another start");
+  }
+  options.start = cold.fiedler;
+  expect_relative(algebraic_connectivity(graph, options).value, cold.value, 1e-9, "its own vector");
+}
+
+TEST(CanHaveChanged, IsNeverWrongWhenItSaysNo) {
+  int no = 0, yes = 0;
+  for (std::uint32_t seed = 0; seed < 60; ++seed) {
+    AppearanceGraph graph = test::random_map(40 + seed, 2, 0.02, seed);
+    const LargestComponentConnectivity before = largest_component_connectivity(graph);
+    std::mt19937 random(seed);
+    std::vector<std::pair<VertexId, VertexId>> added;
+    for (int k = 0; k < 6; ++k) {
+      const VertexId u{static_cast<std::uint32_t>(random() % graph.vertices())};
+      const VertexId v{(to_index(u) + 2 + static_cast<std::uint32_t>(random() % 4)) % graph.vertices()};
+      if (!graph.add_edge(u, v, 1)) continue;
+      added.emplace_back(u, v);
+      const double growth = algebraic_connectivity(graph).value / before.connectivity.value - 1;
+      for (const double least : {1e-7, 1e-3, 1e-2, 0.1, 1.0}) {
+        if (can_have_changed(before, added, least)) {
+          ++yes;
+        } else {
+          ++no;
+          EXPECT_LE(growth, least * (1 + 1e-6) + 1e-11);
+        }
+      }
+    }
+  }
+  EXPECT_GT(no, 100);
+  EXPECT_GT(yes, 100);
+}
+
+TEST(CanHaveChanged, SaysYesWhenComponentsMayHave) {
+  AppearanceGraph graph(8);
+  test::add_clique(graph, 0, 5);
+  const LargestComponentConnectivity before = largest_component_connectivity(graph);
+  using Added = std::vector<std::pair<VertexId, VertexId>>;
+  EXPECT_FALSE(can_have_changed(before, Added{}));
+  EXPECT_TRUE(can_have_changed(before, Added{{VertexId{0}, VertexId{6}}}));
+  EXPECT_TRUE(can_have_changed(before, Added{{VertexId{6}, VertexId{7}}}));
+  const LargestComponentConnectivity single = largest_component_connectivity(AppearanceGraph(3));
+  EXPECT_TRUE(can_have_changed(single, Added{{VertexId{0}, VertexId{1}}}));
+}
+
 }  // namespace
 }  // namespace mapweld
