@@ -117,8 +117,8 @@ TEST(MergeMetricsFollower, StartsAnewWhenAnEdgeGoesOrAVertexComes) {
   MergeMetricsFollower follower;
   const std::vector<std::vector<MergeEdge>> histories{
       {}, {edge(0, 4)}, {edge(0, 4), edge(3, 6)}, {edge(0, 4)}, {edge(1, 5)}, {edge(3, 6), edge(0, 4)}, {}};
-  for (const auto& inter : histories) {
-    for (const std::uint32_t vertices : {7u, 8u}) {
+  for (const std::uint32_t vertices : {7u, 8u}) {
+    for (const auto& inter : histories) {
       const AppearanceGraph graph = graph_with(vertices, inter);
       EXPECT_EQ(follower.measure(graph, members, inter), merge_metrics(graph, members, inter));
     }
