@@ -95,7 +95,7 @@ void DegreeMin::draw_until_candidate() {
 void DegreeMin::step() {
   if (done()) throw std::logic_error("a merge that is done has no next step");
   if (state_.phase == MergePhase::kVoting) {
-    vote_row();
+    state_.candidates_known += vote_row();
   } else {
     draw_until_candidate();
   }

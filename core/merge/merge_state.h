@@ -50,10 +50,10 @@ struct PairSearch {
   // A word whose pairs are more than one step's work is voted for in parts; `word_in_hand` is kNoWord between words.
   static constexpr std::uint32_t kNoWord = 0xFFFFFFFF;
   std::uint32_t word_in_hand = kNoWord;
-  std::uint32_t word_next_row = 0;  // index into its row postings
+  std::uint32_t word_next_row = 0;  // index into its row postings; alignment: transitions after the last row's votes
   std::vector<Candidate> pending;   // E: new candidates, in the order in which they are taken
   std::uint64_t pending_next = 0;
-  std::vector<Candidate> postponed;  // L
+  std::vector<Candidate> postponed;  // L; alignment: the candidates of its alignments
   std::uint64_t postponed_next = 0;
   std::vector<std::uint8_t> source_processed;  // by row: an edge was inserted from it
   std::uint32_t next_row = 0;                  // brute force, voting: the next image of m2

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/errors.h"
+#include "core/merge/alignment.h"
 #include "core/merge/brute_force.h"
 #include "core/merge/degree_min.h"
 #include "core/merge/quick_connect.h"
@@ -57,7 +58,7 @@ void Merger::resume(MergeState state) {
 
 const std::vector<std::string_view>& merge_methods() {
   static const std::vector<std::string_view> methods{QuickConnect::kName, BruteForce::kName, RandomPairs::kName,
-                                                     RandomCandidates::kName, DegreeMin::kName};
+                                                     RandomCandidates::kName, DegreeMin::kName, Alignment::kName};
   return methods;
 }
 
@@ -72,6 +73,7 @@ std::unique_ptr<Merger> make_merger(MergeInput input) {
   if (method == BruteForce::kName) return std::make_unique<BruteForce>(std::move(input));
   if (method == RandomPairs::kName) return std::make_unique<RandomPairs>(std::move(input));
   if (method == RandomCandidates::kName) return std::make_unique<RandomCandidates>(std::move(input));
+  if (method == Alignment::kName) return std::make_unique<Alignment>(std::move(input));
   if (method == DegreeMin::kName) return std::make_unique<DegreeMin>(std::move(input));
   throw std::invalid_argument("no merge method is called \"" + method + "\"");
 }

@@ -104,7 +104,7 @@ bool PairMerger::next_pair() {
   return true;
 }
 
-void PairMerger::vote_row() {
+std::size_t PairMerger::vote_row() {
   PairSearch& search = state_.search;
   votes_of_row(votes(), search.next_row, input_.options.votes, row_votes_);
   row_columns_.clear();
@@ -115,8 +115,8 @@ void PairMerger::vote_row() {
     kept_votes_.push_back(row_votes_[column]);
   }
   search.similarity.append_row(row_columns_, kept_votes_);
-  state_.candidates_known += row_columns_.size();
   ++search.next_row;
+  return row_columns_.size();
 }
 
 void PairMerger::resume(MergeState state) {

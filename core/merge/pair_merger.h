@@ -38,9 +38,9 @@ class PairMerger : public Merger {
   // Goes on to the next pair of members, with a fresh search; false, and nothing changed, after the last.
   bool next_pair();
 
-  // Voting, one image of m2: the candidates of row `search.next_row`, those whose final votes reach min_votes, are
-  // appended to the sparse S with their final votes, and counted as known.
-  void vote_row();
+  // Voting, one image of m2: the cells of row `search.next_row` whose final votes reach min_votes are appended to the
+  // sparse S with their final votes; returns how many.
+  std::size_t vote_row();
 
   // The verdict on a candidate of the pair in hand, recorded: an edge with its final votes, or a rejection. True: an
   // edge. A pair whose verdict is known from before the maps grew is not verified again.

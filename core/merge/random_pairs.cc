@@ -77,7 +77,7 @@ void RandomPairs::upcoming(std::size_t most, std::vector<Candidate>& candidates)
 void RandomPairs::step() {
   if (done()) throw std::logic_error("a merge that is done has no next step");
   if (state_.phase == MergePhase::kVoting) {
-    vote_row();
+    state_.candidates_known += vote_row();
   } else {
     std::uint64_t attempts = state_.search.attempts;
     Candidate candidate;
@@ -142,7 +142,7 @@ void RandomCandidates::upcoming(std::size_t most, std::vector<Candidate>& candid
 void RandomCandidates::step() {
   if (done()) throw std::logic_error("a merge that is done has no next step");
   if (state_.phase == MergePhase::kVoting) {
-    vote_row();
+    state_.candidates_known += vote_row();
   } else {
     verify_final(drawn(state_.search.attempts));
     ++state_.search.attempts;

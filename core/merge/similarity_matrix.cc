@@ -75,9 +75,11 @@ void SimilarityMatrix::append_row(std::span<const std::uint32_t> columns) {
 }
 
 void SimilarityMatrix::append_row(std::span<const std::uint32_t> columns, std::span<const std::uint32_t> votes) {
+  if (columns.size() != votes.size()) throw std::logic_error("a row's columns and votes are not equally many");
   append_row(columns);
+  const std::size_t first = votes_.size() - votes.size();
   for (std::size_t k = 0; k < votes.size(); ++k) {
-    votes_[votes_.size() - votes.size() + k] = static_cast<std::uint16_t>(std::min(votes[k], kMostVotes));
+    votes_[first + k] = static_cast<std::uint16_t>(std::min(votes[k], kMostVotes));
   }
 }
 
