@@ -38,7 +38,7 @@ class Alignment final : public PairMerger {
   // Defaults measured, see docs/alignment.md.
   struct Limits {
     SequenceAlignmentOptions sequence;
-    std::uint32_t level_percent = 50;        // level_rank: so many of a row's (column's) cells are not above the level
+    std::uint32_t level_percent = 75;        // level_rank: so many of a row's (column's) cells are not above the level
     std::uint32_t min_images = 3;            // of each map, that an accepted alignment covers
     std::uint32_t halo = 2;                  // images round an alignment's cells
     std::uint32_t pairs_per_step = 1 << 15;  // of the dynamic programme

@@ -12,9 +12,9 @@ namespace mapweld {
 
 struct SequenceAlignmentOptions {
   std::uint32_t max_step = 4;       // two successive pairs are at most so many images apart, in either sequence; >= 1
-  std::int32_t skip_penalty = 2;    // for each image of either sequence that is passed over between two pairs
-  std::int32_t repeat_penalty = 2;  // for a pair that has an image in common with the pair before it
-  std::int64_t min_score = 40;      // an alignment's least score; >= 1
+  std::int32_t skip_penalty = 4;    // for each image of either sequence that is passed over between two pairs
+  std::int32_t repeat_penalty = 4;  // for a pair that has an image in common with the pair before it
+  std::int64_t min_score = 24;      // an alignment's least score; >= 1
   std::uint32_t max_pairs = 1000;   // of a longer alignment only the last so many pairs are told; >= 1
 };
 

@@ -1,5 +1,6 @@
 // What merging costs apart from the verifier: votes, steps, checkpoints. docs/merging.md holds the figures.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <map>
 #include <random>
@@ -116,6 +117,31 @@ void Steps(benchmark::State& state, const char* method) {
 }
 void QuickConnectSteps(benchmark::State& state) { Steps(state, "quickconnect"); }
 void BruteForceSteps(benchmark::State& state) { Steps(state, "brute-force"); }
+void AlignmentSteps(benchmark::State& state) { Steps(state, "alignment"); }
+
+// Everything that `alignment` does before it verifies: S, and the alignments; and its longest step.
+void AlignmentVoting(benchmark::State& state) {
+  MergeInput input = maps_of(state);
+  input.options.method = "alignment";
+  double longest_s = 0;
+  std::uint64_t cells = 0, candidates = 0, transitions = 0;
+  for (auto _ : state) {
+    const auto merger = make_merger(input);
+    longest_s = 0;
+    while (merger->state().phase == MergePhase::kVoting) {
+      const auto start = std::chrono::steady_clock::now();
+      merger->step();
+      longest_s = std::max(longest_s, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    }
+    cells = merger->state().search.similarity.kept_columns().size();
+    transitions = merger->state().search.word_next_row;
+    candidates = merger->state().candidates_known;
+  }
+  state.counters["longest_step_ms"] = longest_s * 1e3;
+  state.counters["cells"] = static_cast<double>(cells);
+  state.counters["alignment_steps"] = static_cast<double>(transitions);
+  state.counters["candidates"] = static_cast<double>(candidates);
+}
 
 std::unique_ptr<Merger> half_explored(const MergeInput& input) {
   auto merger = make_merger(input);
@@ -177,6 +203,8 @@ BENCHMARK(SimilarityByWords)->Apply(sizes);
 BENCHMARK(SimilarityByRows)->Apply(sizes);
 BENCHMARK(QuickConnectSteps)->Apply(sizes);
 BENCHMARK(BruteForceSteps)->Apply(sizes);
+BENCHMARK(AlignmentSteps)->Apply(sizes);
+BENCHMARK(AlignmentVoting)->Apply(sizes)->Args({20000, 20000});
 BENCHMARK(CheckpointInExploration)->Apply(sizes);
 BENCHMARK(CheckpointInRefinement)->Apply(sizes);
 BENCHMARK(Resume)->Apply(sizes);
