@@ -18,6 +18,8 @@ namespace {
 Alignment::Limits toy_limits() {
   Alignment::Limits limits;
   limits.sequence.min_score = 8;
+  limits.sequence.skip_penalty = limits.sequence.repeat_penalty = 2;
+  limits.level_percent = 50;
   limits.min_images = 2;
   limits.halo = 1;
   limits.pairs_per_step = 9;
@@ -109,6 +111,19 @@ TEST(Alignment, VerifiesAlongSequencesInBothDirectionsAndNotLookAlikes) {
   const auto merger = make_merger(given_input(votes));
   EXPECT_EQ(verified_cells(*merger), expected);
   EXPECT_EQ(merger->state().candidates_known, expected.size());
+}
+
+TEST(Alignment, TakesItsSurroundingsOutOfTheMatrix) {
+  // The second sequence lies in the halo of the first but for its last two pairs, which are too few for another one.
+  const auto votes = std::make_shared<GivenVotes>(kRows, kColumns);
+  for (std::uint32_t k = 0; k < 9; ++k) votes->set(2 + k, 3 + k, 70);
+  for (std::uint32_t k = 0; k < 9; ++k) votes->set(2 + k, 7 + k, 60);
+  votes->set(6, 15, 11);  // in the halo of the second one alone
+  std::vector<Cell> expected;
+  for (const std::uint32_t k : {0u, 8u, 4u, 2u, 6u, 1u, 3u, 5u, 7u}) expected.emplace_back(2 + k, 3 + k);
+  for (std::uint32_t k = 0; k < 7; ++k) expected.emplace_back(2 + k, 7 + k);
+  const auto merger = make_merger(given_input(votes));
+  EXPECT_EQ(verified_cells(*merger), expected);
 }
 
 TEST(Alignment, TakesNoAccountOfWhatIsUsual) {
