@@ -101,8 +101,8 @@ TEST(Alignment, VerifiesAlongSequencesInBothDirectionsAndNotLookAlikes) {
   for (std::uint32_t k = 0; k < 7; ++k) votes->set(15 + k, 30 - k, 60);
   for (const std::uint32_t k : {0u, 6u, 3u, 1u, 4u, 2u, 5u}) expected.emplace_back(15 + k, 30 - k);
   votes->set(5, 35, 60000);                                           // one image alike
-  for (std::uint32_t k = 0; k < 12; ++k) votes->set(25, 2 + k, 500);  // one image like a whole stretch
-  for (std::uint32_t k = 0; k < 9; ++k) votes->set(20 + k, 39, 500);  // and the other way round
+  for (std::uint32_t k = 0; k < 8; ++k) votes->set(25, 2 + k, 500);   // one image like a whole stretch
+  for (std::uint32_t k = 0; k < 7; ++k) votes->set(22 + k, 39, 500);  // and the other way round
   votes->set(6, 9, 11);  // weak, but beside an alignment: the halos come last
   votes->set(16, 31, 12);
   votes->set(1, 12, 11);  // weak, and beside none
