@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <utility>
 
 #include "schema/blobs/byte_stream.h"
 #include "schema/rows.h"
@@ -76,6 +77,25 @@ void write_part(WriteTransaction& db, JobId job, const CheckpointPart& part) {
     insert.bind_all(job, part.name, chunk, blobs::crc32(bytes), bytes).run();
     at += bytes.size();
   }
+}
+
+// Puts parts together from (part, chunk, crc32, bytes), ordered by part and chunk.
+std::vector<StoredPart> read_parts(sqlite::Statement& row, JobId job) {
+  std::vector<StoredPart> parts;
+  std::int64_t next_chunk = 0;
+  while (row.step()) {
+    if (parts.empty() || parts.back().name != row.text(0)) {
+      parts.push_back({std::string(row.text(0)), {}});
+      next_chunk = 0;
+    }
+    const auto bytes = row.blob(3);
+    if (row.integer(1) != next_chunk++ || row.integer(2) != blobs::crc32(bytes)) {
+      throw StoreError(StoreErrorKind::kCorrupt, "the checkpoint of merge " + std::to_string(to_index(job)) +
+                                                     " is damaged in its part '" + parts.back().name + "'");
+    }
+    parts.back().bytes.insert(parts.back().bytes.end(), bytes.begin(), bytes.end());
+  }
+  return parts;
 }
 
 void write_curve(WriteTransaction& db, JobId job, std::span<const CurvePointRow> points) {
@@ -180,24 +200,19 @@ bool save_checkpoint(WriteTransaction& db, JobId job, std::uint64_t epoch, const
 }
 
 std::vector<StoredPart> load_checkpoint(const Reader& db, JobId job) {
-  std::vector<StoredPart> parts;
   sqlite::Statement row =
       db.prepare("SELECT part, chunk, crc32, bytes FROM checkpoints WHERE job = ? ORDER BY part, chunk");
   row.bind(1, job);
-  std::int64_t next_chunk = 0;
-  while (row.step()) {
-    if (parts.empty() || parts.back().name != row.text(0)) {
-      parts.push_back({std::string(row.text(0)), {}});
-      next_chunk = 0;
-    }
-    const auto bytes = row.blob(3);
-    if (row.integer(1) != next_chunk++ || row.integer(2) != blobs::crc32(bytes)) {
-      throw StoreError(StoreErrorKind::kCorrupt, "the checkpoint of merge " + std::to_string(to_index(job)) +
-                                                     " is damaged in its part '" + parts.back().name + "'");
-    }
-    parts.back().bytes.insert(parts.back().bytes.end(), bytes.begin(), bytes.end());
-  }
-  return parts;
+  return read_parts(row, job);
+}
+
+std::optional<StoredPart> load_checkpoint_part(const Reader& db, JobId job, std::string_view part) {
+  sqlite::Statement row =
+      db.prepare("SELECT part, chunk, crc32, bytes FROM checkpoints WHERE job = ? AND part = ? ORDER BY chunk");
+  row.bind_all(job, part);
+  std::vector<StoredPart> parts = read_parts(row, job);
+  if (parts.empty()) return std::nullopt;
+  return std::move(parts.front());
 }
 
 bool end_run(WriteTransaction& db, JobId job, std::uint64_t epoch, const RunEnd& end) {

@@ -119,6 +119,8 @@ struct StoredPart {
 };
 // The parts of the last checkpoint, by name; none before the first. Throws StoreError kCorrupt when one is damaged.
 std::vector<StoredPart> load_checkpoint(const Reader& db, JobId job);
+// One part of it; none when it has no part of this name. Reads no other. Throws as load_checkpoint.
+std::optional<StoredPart> load_checkpoint_part(const Reader& db, JobId job, std::string_view part);
 
 // Ends a run: the job leaves `running` for `state`. Call it in the transaction of the last checkpoint, so that state
 // and edges agree. False, and nothing written, when the epoch is not the job's or the job is not running.

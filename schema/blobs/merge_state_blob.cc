@@ -143,8 +143,9 @@ class ContentReader {
     at_ += 2 * size;
     return values;
   }
+  bool at_end() const { return at_ == bytes_.size(); }
   void finish() const {
-    if (at_ != bytes_.size()) fail();
+    if (!at_end()) fail();
   }
   [[noreturn]] void fail() const { corrupt("part '" + name_ + "' does not make sense"); }
 
@@ -156,12 +157,6 @@ class ContentReader {
   Bytes bytes_;
   std::size_t at_ = 0;
 };
-
-std::string rejected_page_name(std::size_t page) {
-  char name[32];
-  std::snprintf(name, sizeof(name), "rejected-%06zu", page);
-  return name;
-}
 
 std::size_t rejected_pages(std::size_t rejected) { return (rejected + kRejectedPerPage - 1) / kRejectedPerPage; }
 
@@ -329,24 +324,26 @@ MergeStatePart encode_rejected_page(const std::vector<RejectedPair>& rejected, s
   return std::move(content).pack(rejected_page_name(page));
 }
 
-void decode_rejected_page(const MergeStatePart& part, std::uint64_t count, std::vector<RejectedPair>& rejected) {
-  ContentReader content(part);
+RejectedPair read_rejected_pair(ContentReader& content) {
   const auto u16 = [&content] {
     const std::uint32_t value = content.varint32();
     if (value > UINT16_MAX) content.fail();
     return static_cast<std::uint16_t>(value);
   };
-  for (std::uint64_t i = 0; i < count; ++i) {
-    RejectedPair pair;
-    pair.source = VertexId{content.varint32()};
-    pair.target = VertexId{content.varint32()};
-    const std::uint8_t reason = content.u8();
-    if (reason > static_cast<std::uint8_t>(Reason::kUnsupported)) content.fail();
-    pair.reason = static_cast<Reason>(reason);
-    pair.matches = u16();
-    pair.inliers = u16();
-    rejected.push_back(pair);
-  }
+  RejectedPair pair;
+  pair.source = VertexId{content.varint32()};
+  pair.target = VertexId{content.varint32()};
+  const std::uint8_t reason = content.u8();
+  if (reason > static_cast<std::uint8_t>(Reason::kUnsupported)) content.fail();
+  pair.reason = static_cast<Reason>(reason);
+  pair.matches = u16();
+  pair.inliers = u16();
+  return pair;
+}
+
+void read_rejected_page(const MergeStatePart& part, std::uint64_t count, std::vector<RejectedPair>& rejected) {
+  ContentReader content(part);
+  for (std::uint64_t i = 0; i < count; ++i) rejected.push_back(read_rejected_pair(content));
   content.finish();
 }
 
@@ -384,6 +381,22 @@ std::vector<MergeStatePart> encode_merge_state(const MergeState& state, const st
   return parts;
 }
 
+std::string rejected_page_name(std::size_t page) {
+  char name[32];
+  std::snprintf(name, sizeof(name), "rejected-%06zu", page);
+  return name;
+}
+
+std::vector<RejectedPair> decode_rejected_page(const MergeStatePart& page) {
+  try {
+    std::vector<RejectedPair> rejected;
+    for (ContentReader content(page); !content.at_end();) rejected.push_back(read_rejected_pair(content));
+    return rejected;
+  } catch (const FormatError& error) {
+    corrupt(error.what());
+  }
+}
+
 MergeState decode_merge_state(std::span<const MergeStatePart> parts, std::vector<MergeEdge> edges) {
   try {
     MergeState state;
@@ -398,7 +411,7 @@ MergeState decode_merge_state(std::span<const MergeStatePart> parts, std::vector
     decode_postponed(find_part(parts, "postponed"), totals.postponed, state.search);
     for (std::size_t page = 0; page < rejected_pages(totals.rejected); ++page) {
       const std::uint64_t count = std::min<std::uint64_t>(kRejectedPerPage, totals.rejected - page * kRejectedPerPage);
-      decode_rejected_page(find_part(parts, rejected_page_name(page)), count, state.rejected);
+      read_rejected_page(find_part(parts, rejected_page_name(page)), count, state.rejected);
     }
     return state;
   } catch (const FormatError& error) {

@@ -59,4 +59,9 @@ std::vector<MergeStatePart> encode_merge_state(const MergeState& state, const st
 // missing, torn, foreign or does not agree with the others, kNewerVersion.
 MergeState decode_merge_state(std::span<const MergeStatePart> parts, std::vector<MergeEdge> edges);
 
+// The name of page `page` of the rejected pairs, from 0.
+std::string rejected_page_name(std::size_t page);
+// The rejected pairs of such a page alone, in order. Throws StoreError as decode_merge_state.
+std::vector<RejectedPair> decode_rejected_page(const MergeStatePart& page);
+
 }  // namespace mapweld::blobs

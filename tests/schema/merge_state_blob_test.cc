@@ -152,6 +152,21 @@ TEST(MergeStateBlob, PagesTheRejectedPairs) {
   store.save(state);
   EXPECT_EQ(store.load(), state);
   EXPECT_EQ(store.parts().size(), 4u + 4u);
+
+  // Each page can be read alone; together they are the whole list.
+  std::vector<RejectedPair> together;
+  for (std::size_t page = 0; page < 4; ++page) {
+    const auto parts = store.parts();
+    const auto part = std::ranges::find(parts, blobs::rejected_page_name(page), &MergeStatePart::name);
+    ASSERT_NE(part, parts.end()) << page;
+    const std::vector<RejectedPair> pairs = blobs::decode_rejected_page(*part);
+    EXPECT_EQ(pairs.size(), page < 3 ? blobs::kRejectedPerPage : 5u);
+    together.insert(together.end(), pairs.begin(), pairs.end());
+    MergeStatePart torn = *part;
+    torn.bytes.pop_back();
+    EXPECT_THROW(blobs::decode_rejected_page(torn), StoreError);
+  }
+  EXPECT_EQ(together, state.rejected);
 }
 
 TEST(MergeStateBlob, RefusesDamage) {

@@ -149,6 +149,13 @@ TEST_F(MergeStoreTest, PartsOfTheStateAreReplacedKeptAndDroppedByName) {
     db.commit();
     std::map<std::string, std::vector<std::uint8_t>> read;
     for (StoredPart& part : load_checkpoint(store_.read(), job)) read[part.name] = std::move(part.bytes);
+    for (const auto& [name, bytes] : read) {
+      const auto part = load_checkpoint_part(store_.read(), job, name);
+      ASSERT_TRUE(part) << name;
+      EXPECT_EQ(part->name, name);
+      EXPECT_TRUE(part->bytes == bytes) << name;
+    }
+    EXPECT_FALSE(load_checkpoint_part(store_.read(), job, "none"));
     ASSERT_EQ(read, model) << "round " << round;
   }
 }
@@ -327,6 +334,7 @@ TEST_F(MergeStoreTest, ADamagedPartIsTold) {
   WriteTransaction db = store_.write();
   db.connection().execute("UPDATE checkpoints SET bytes = CAST(bytes || x'00' AS BLOB)");
   EXPECT_THROW(load_checkpoint(db, job), StoreError);
+  EXPECT_THROW(load_checkpoint_part(db, job, "state"), StoreError);
 }
 
 }  // namespace
