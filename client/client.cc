@@ -143,6 +143,11 @@ Answer<std::vector<contract::CurvePoint>> Client::curve(std::int64_t id) {
 Answer<std::vector<contract::MergeEdge>> Client::merge_edges(std::int64_t id) {
   return all_pages<contract::MergeEdge>({"merges", std::to_string(id), "edges"});
 }
+Answer<contract::Pair> Client::merge_pair(std::int64_t id, std::int64_t u, std::int64_t v, bool matches) {
+  return answer<contract::Pair>(
+      connection_.get(path_of(kRoot, {"merges", std::to_string(id), "pairs", std::to_string(u), std::to_string(v)},
+                              matches ? Query{{"matches", "true"}} : Query{})));
+}
 
 Answer<contract::Merge> Client::command_merge(std::int64_t id, const std::string& verb, const std::string& body) {
   return answer<contract::Merge>(connection_.post(path_of(kRoot, {"merges", std::to_string(id), verb}), body, kJson));

@@ -25,6 +25,7 @@
 #include "client/contract/json.h"
 #include "client/contract/map.h"
 #include "client/contract/merge.h"
+#include "client/contract/pair.h"
 #include "client/contract/vocabulary.h"
 #include "client/errors.h"
 
@@ -92,6 +93,8 @@ class Client {
   Answer<contract::Merge> merge(std::int64_t id);
   Answer<std::vector<contract::CurvePoint>> curve(std::int64_t id);
   Answer<std::vector<contract::MergeEdge>> merge_edges(std::int64_t id);
+  // Of two vertices of the merged map, in either order; `matches`: with the matches that held.
+  Answer<contract::Pair> merge_pair(std::int64_t id, std::int64_t u, std::int64_t v, bool matches = false);
   Answer<contract::Merge> pause_merge(std::int64_t id);
   Answer<contract::Merge> resume_merge(std::int64_t id, const std::optional<contract::Budget>& budget = {});
   Answer<contract::Merge> cancel_merge(std::int64_t id);

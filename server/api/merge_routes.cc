@@ -1,6 +1,7 @@
 #include "client/contract/merge.h"
 #include "server/api/api.h"
 #include "server/api/replies.h"
+#include "server/services/pair_service.h"
 
 namespace mapweld::server {
 namespace {
@@ -86,13 +87,20 @@ void add_merge_routes(Router& router, const Services& services) {
               .handler = [&merges](const Request& request) {
                 return merge_reply(202, merges.cancel(merge_in_path(request)));
               }});
-  for (const char* pattern : {"/v1/merges/{merge}/pairs/{u}/{v}", "/v1/merges/{merge}/events"}) {
-    router.add({.method = "GET", .pattern = pattern, .handler = [&merges](const Request& request) -> Reply {
-                  merges.get(merge_in_path(request));
-                  throw ContractError("not_implemented",
-                                      "This is not offered yet; poll the merge and its edges instead.");
-                }});
-  }
+  router.add({.method = "GET",
+              .pattern = "/v1/merges/{merge}/pairs/{u}/{v}",
+              .query = {"matches"},
+              .handler = [&store = services.store](const Request& request) {
+                const auto u = number_in_path<std::uint32_t>(request, "u", "no_such_vertex");
+                const auto v = number_in_path<std::uint32_t>(request, "v", "no_such_vertex");
+                const bool with_matches = request.query.boolean("matches").value_or(false);
+                return json_reply(200, explain_pair(store, merge_in_path(request), u, v, with_matches));
+              }});
+  router.add(
+      {.method = "GET", .pattern = "/v1/merges/{merge}/events", .handler = [&merges](const Request& request) -> Reply {
+         merges.get(merge_in_path(request));
+         throw ContractError("not_implemented", "This is not offered yet; poll the merge and its edges instead.");
+       }});
 }
 
 }  // namespace mapweld::server

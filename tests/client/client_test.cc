@@ -119,6 +119,21 @@ TEST(ClientRequests, SayOnlyWhatWasAsked) {
   EXPECT_EQ(server.requests().back(), "GET /v1/merges?state=paused&limit=1000");
 }
 
+TEST(ClientRequests, AskForAPairWithItsMatchesOrWithout) {
+  FakeServer server;
+  server.script("GET /v1/merges/3/pairs/71/12", 200,
+                std::string(R"({"u":12,"v":71,"votes":29,"matches":null,"inliers":null,"verdict":"pending",
+                                "reason":null})"));
+  Client client(server.url());
+  const auto pair = client.merge_pair(3, 71, 12);
+  EXPECT_EQ(pair->u, 12);
+  EXPECT_EQ(pair->verdict, "pending");
+  EXPECT_EQ(pair->matches, std::nullopt);
+  client.merge_pair(3, 71, 12, true);
+  EXPECT_EQ(server.requests(),
+            (std::vector<std::string>{"GET /v1/merges/3/pairs/71/12", "GET /v1/merges/3/pairs/71/12?matches=true"}));
+}
+
 TEST(ClientExport, HandsOnPiecesOrThrows) {
   FakeServer server;
   const std::string graph(3000000, 'x');

@@ -6,6 +6,7 @@
 #include "client/contract/map.h"
 #include "client/contract/merge.h"
 #include "client/contract/page.h"
+#include "client/contract/pair.h"
 #include "client/contract/problem_document.h"
 #include "client/contract/vocabulary.h"
 
@@ -44,6 +45,14 @@ TEST(Documents, VertexHasTheShapeOfThePage) {
   expect_round_trip<Vertex>(R"({"vertex":812,"name":"000812.jpg","width_px":320,"height_px":240,"features":431,
     "degree":7,"captured_at":null,"sequence":"run-1","index":812,"sha256":"ab12","camera":null,"map":"lab-a",
     "member_vertex":812})");
+}
+
+TEST(Documents, PairHasTheShapesOfThePage) {
+  expect_round_trip<Pair>(R"({"u":12,"v":71,"votes":29,"matches":41,"inliers":24,"verdict":"accepted","reason":null,
+    "kind":"fundamental","log10_false_alarms":-46.7,
+    "inlier_matches":[{"u":{"x_px":181.5,"y_px":92.125},"v":{"x_px":96.25,"y_px":88.875}}]})");
+  expect_round_trip<Pair>(R"({"u":12,"v":90,"votes":3,"matches":null,"inliers":null,"verdict":"not_candidate",
+    "reason":"no_candidate"})");
 }
 
 TEST(Documents, UploadHasTheShapesOfThePage) {

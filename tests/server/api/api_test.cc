@@ -157,13 +157,47 @@ TEST(Api, TakesImagesOfEveryUsualKind) {
   }
 }
 
+TEST(Api, ExplainsAnyPairOfAMerge) {
+  ApiUnderTest api;
+  for (const char* map : {"a", "b"}) {
+    api.services().create_map(map);
+    for (int step = 0; step < 3; ++step) api.services().upload(map, std::to_string(step), photo_jpeg(1, step));
+  }
+  api.post("/v1/merges", R"({"maps":["a","b"],"name":"ab"})");
+  api.finished_merge(1);
+  const Answer answer = api.get("/v1/merges/1/pairs/4/1");
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_EQ(answer.body, api.get("/v1/merges/1/pairs/1/4").body);
+  const contract::Json pair = answer.json();
+  EXPECT_EQ(pair["u"], 1);
+  EXPECT_EQ(pair["v"], 4);
+  EXPECT_EQ(pair["verdict"], "accepted");
+  EXPECT_TRUE(pair.contains("reason") && pair["reason"].is_null());
+  EXPECT_FALSE(pair.contains("inlier_matches"));
+  const contract::Json with_matches = api.get("/v1/merges/1/pairs/1/4?matches=true").json();
+  EXPECT_EQ(with_matches["inlier_matches"].size(), pair["inliers"].get<std::size_t>());
+  EXPECT_GE(with_matches["inlier_matches"][0]["u"]["x_px"], 0);
+  EXPECT_EQ(api.get("/v1/merges/1/pairs/0/5").json()["reason"].is_string(), true);
+
+  EXPECT_EQ(api.get("/v1/merges/2/pairs/1/4").code(), "no_such_merge");
+  EXPECT_EQ(api.get("/v1/merges/x/pairs/1/4").code(), "no_such_merge");
+  for (const char* vertex : {"6", "99999999999999999999", "-1", "x", "1.5", "%20"}) {
+    EXPECT_EQ(api.get("/v1/merges/1/pairs/0/" + std::string(vertex)).code(), "no_such_vertex") << vertex;
+    EXPECT_EQ(api.get("/v1/merges/1/pairs/" + std::string(vertex) + "/0").code(), "no_such_vertex") << vertex;
+  }
+  EXPECT_EQ(api.get("/v1/merges/1/pairs/0/1").code(), "invalid_parameter");
+  EXPECT_EQ(api.get("/v1/merges/1/pairs/0/1").status, 422);
+  EXPECT_EQ(api.get("/v1/merges/1/pairs/1/4?matches=perhaps").code(), "invalid_parameter");
+  EXPECT_EQ(api.get("/v1/merges/1/pairs/1/4?match=true").code(), "unknown_field");
+}
+
 TEST(Api, WhatIsNotThereYetSaysSo) {
   ApiUnderTest api;
   api.services().create_map("a");
   api.services().create_map("b");
   api.post("/v1/merges", R"({"maps":["a","b"],"name":"ab"})");
   api.finished_merge(1);
-  for (const char* path : {"/v1/merges/1/events", "/v1/merges/1/pairs/0/1", "/v1/backups/1/content"}) {
+  for (const char* path : {"/v1/merges/1/events", "/v1/backups/1/content"}) {
     EXPECT_EQ(api.get(path).status, 501) << path;
   }
   EXPECT_EQ(api.post("/v1/backups", "").status, 501);

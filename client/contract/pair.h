@@ -1,0 +1,62 @@
+// One pair of images of a merge, explained.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "client/contract/codec.h"
+
+namespace mapweld::contract {
+
+// What a merge has made of a pair: an edge; a candidate that the verifier refused; a candidate that it was not asked
+// about yet; a pair with too few votes to be asked about.
+inline constexpr std::array<std::string_view, 4> kPairVerdicts = {"accepted", "rejected", "pending", "not_candidate"};
+
+// A place in an image as the map has it (EXIF orientation applied): x to the right, y down, the centre of the upper
+// left pixel is (0, 0).
+struct ImagePoint {
+  double x_px = 0;
+  double y_px = 0;
+  static constexpr auto fields() {
+    return std::tuple(field("x_px", &ImagePoint::x_px), field("y_px", &ImagePoint::y_px));
+  }
+  friend bool operator==(const ImagePoint&, const ImagePoint&) = default;
+};
+
+// One thing that both images show.
+struct PointMatch {
+  ImagePoint u;
+  ImagePoint v;
+  static constexpr auto fields() { return std::tuple(field("u", &PointMatch::u), field("v", &PointMatch::v)); }
+  friend bool operator==(const PointMatch&, const PointMatch&) = default;
+};
+
+// GET /v1/merges/{id}/pairs/{u}/{v}; u < v, numbers of the merged map.
+struct Pair {
+  std::int64_t u = 0;
+  std::int64_t v = 0;
+  std::int64_t votes = 0;             // under the merge's vote rule
+  std::optional<int> matches;         // one-to-one; null where the verifier was not asked
+  std::optional<int> inliers;         // likewise
+  std::string verdict;                // one of kPairVerdicts
+  std::optional<std::string> reason;  // why there is no edge; null for accepted (and confirmed) and pending
+  // With ?matches=true only. Where there was no verdict, the verifier is asked for the answer; that changes no verdict.
+  std::optional<std::string> kind;                        // of the geometry: "fundamental", "homography", "none"
+  std::optional<double> log10_false_alarms;               // of the inliers, by chance; 300: no model at all
+  std::optional<std::vector<PointMatch>> inlier_matches;  // those that held to the end
+  static constexpr auto fields() {
+    using P = Pair;
+    return std::tuple(field("u", &P::u), field("v", &P::v), field("votes", &P::votes), field("matches", &P::matches),
+                      field("inliers", &P::inliers), field("verdict", &P::verdict), field("reason", &P::reason),
+                      omitted_when_empty("kind", &P::kind),
+                      omitted_when_empty("log10_false_alarms", &P::log10_false_alarms),
+                      omitted_when_empty("inlier_matches", &P::inlier_matches));
+  }
+  friend bool operator==(const Pair&, const Pair&) = default;
+};
+
+}  // namespace mapweld::contract
