@@ -75,6 +75,7 @@ int main(int argc, char** argv) {
   command::add_localize_command(app, context);
   command::add_merge_command(app, context);
   command::add_merges_command(app, context);
+  command::add_explain_command(app, context);
   command::add_graph_command(app, context);
   command::add_server_commands(app, context);
 

@@ -1,45 +1,17 @@
 // The `mapweld` command as scripts see it: exit codes, standard output, standard error. Ended as a program.
-#include <cstdlib>
 #include <regex>
 
-#include <gtest/gtest.h>
-#include <sys/wait.h>
-
-#include "client/image_folder.h"
+#include "tests/client/command/command_fixture.h"
 #include "tests/client/drawing/well_formed.h"
-#include "tests/client/fake_server.h"
-#include "tests/client/temporary_folder.h"
 
 namespace mapweld {
 namespace {
 
 using contract::Json;
+using mapweld::testing::Ended;
 using mapweld::testing::FakeServer;
 using mapweld::testing::TemporaryFolder;
-
-struct Ended {
-  int code = -1;
-  std::string out;
-  std::string err;
-};
-
-struct CommandFixture : ::testing::Test {
-  FakeServer server;
-  TemporaryFolder folder;
-
-  // `arguments` as a shell would take them.
-  Ended run(const std::string& arguments, const std::string& environment = "") const {
-    const std::string out = (folder.path() / "out.txt").string();
-    const std::string err = (folder.path() / "err.txt").string();
-    const std::string command = "env -u MAPWELD_SERVER " + environment + " '" MAPWELD_BINARY "' " + arguments + " >'" +
-                                out + "' 2>'" + err + "' </dev/null";
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, client::read_file(out), client::read_file(err)};
-  }
-  Ended ask(const std::string& arguments) const { return run("--server " + server.url() + " " + arguments); }
-  std::string in_folder(const std::string& name) const { return "'" + (folder.path() / name).string() + "'"; }
-};
-using Command = CommandFixture;
+using Command = mapweld::testing::CommandFixture;
 
 Json merge_json(const std::string& state, double elapsed_s = 1.5, int edges = 247) {
   Json merge = Json::parse(R"({"id":1,"state":"","method":"quickconnect","maps":["lab-a","lab-b"],"map":"lab","seed":0,
@@ -91,7 +63,11 @@ TEST_F(Command, UsageErrorsAreTwo) {
                                 "merges fly",
                                 "--server ftp://x map list",
                                 "map create lab --label nonsense",
-                                "merges curve 1 --format png"}) {
+                                "merges curve 1 --format png",
+                                "explain 1 2",
+                                "explain 1 2 x",
+                                "explain -1 2 3",
+                                "explain 1 2 3 --out pair.gif"}) {
     const Ended ended = ask(arguments);
     EXPECT_EQ(ended.code, 2) << arguments << "\n" << ended.err;
     EXPECT_EQ(ended.out, "") << arguments;

@@ -1,0 +1,157 @@
+// mapweld explain JOB U V
+#include <cmath>
+#include <memory>
+
+#include "client/command/context.h"
+#include "client/command/exit_code.h"
+#include "client/command/output_file.h"
+#include "client/command/terminal.h"
+#include "client/drawing/pair_figure.h"
+
+namespace mapweld::command {
+namespace {
+
+struct ExplainOptions {
+  std::int64_t job = 0;
+  std::int64_t u = 0;
+  std::int64_t v = 0;
+  std::string out;
+};
+
+// Everything that the server says of a pair.
+struct Explained {
+  contract::Merge merge;
+  client::Answer<contract::Pair> pair;
+  contract::Vertex u;
+  contract::Vertex v;
+};
+
+std::string minimum(const std::optional<int>& parameter, const std::string& makes) {
+  return parameter ? " (" + std::to_string(*parameter) + " make " + makes + ")" : "";
+}
+
+std::string image_text(const contract::Vertex& vertex) {
+  return printable(vertex.name) + ", vertex " + std::to_string(vertex.member_vertex) + " of " + vertex.map;
+}
+
+std::string verdict_text(const Explained& e) {
+  const std::string& verdict = e.pair->verdict;
+  if (verdict == "accepted") return "accepted: an edge joins them";
+  if (verdict == "rejected") return "rejected: a candidate that was verified and refused";
+  if (verdict == "not_candidate") return "not a candidate: the merge never verifies it";
+  if (verdict != "pending") return printable(verdict);
+  return contract::is_at_rest(e.merge.state) ? "pending: a candidate that was not verified before the merge stopped"
+                                             : "pending: a candidate that is not verified yet";
+}
+
+std::string reason_text(const std::string& reason) {
+  if (reason == "too_few_features") return "one of the images has too few features for an edge";
+  if (reason == "no_candidate") return "they have too few visual words in common";
+  if (reason == "too_few_inliers") return "too few matches agree on one geometry";
+  if (reason == "not_significant") return "chance, or one small thing that both show, could explain the agreement";
+  if (reason == "inconsistent") return "the matches that agree do not keep their neighbours";
+  if (reason == "unsupported") return "verified, but what surrounds it does not confirm it";
+  return printable(reason);
+}
+
+std::string geometry_text(const contract::Pair& pair) {
+  if (!pair.kind || *pair.kind == "none") return "none was found";
+  std::string text = *pair.kind == "fundamental"  ? "a fundamental matrix"
+                     : *pair.kind == "homography" ? "a homography (one plane, or a camera that only turned)"
+                                                  : printable(*pair.kind);
+  if (pair.log10_false_alarms && *pair.log10_false_alarms < 0) {
+    text += "; by chance 1 in 10^" + std::to_string(std::lround(-*pair.log10_false_alarms));
+  }
+  return text;
+}
+
+// Matches and inliers are the verifier's of this moment where the merge has no verdict.
+bool has_verdict(const contract::Pair& pair) { return pair.verdict == "accepted" || pair.verdict == "rejected"; }
+
+std::string describe(const Explained& e) {
+  const contract::Pair& pair = *e.pair;
+  const std::string asked_now = has_verdict(pair) ? "" : "; asked for this answer alone";
+  std::vector<std::pair<std::string, std::string>> lines = {
+      {"pair", std::to_string(pair.u) + " and " + std::to_string(pair.v) + " of " + e.merge.map + ", merge " +
+                   std::to_string(e.merge.id)},
+      {"first image", image_text(e.u)},
+      {"second image", image_text(e.v)},
+      {"votes", std::to_string(pair.votes) + minimum(e.merge.parameters.min_votes, "a candidate")},
+  };
+  if (pair.matches) lines.emplace_back("matches", std::to_string(*pair.matches) + " one-to-one" + asked_now);
+  if (pair.inliers) {
+    lines.emplace_back("inliers", std::to_string(*pair.inliers) + minimum(e.merge.parameters.min_inliers, "an edge"));
+  }
+  if (pair.kind) lines.emplace_back("geometry", geometry_text(pair));
+  lines.emplace_back("verdict", verdict_text(e));
+  if (pair.reason) lines.emplace_back("reason", reason_text(*pair.reason));
+  return facts(lines);
+}
+
+std::string title_of(const Explained& e) {
+  const contract::Pair& pair = *e.pair;
+  const bool candidate = pair.verdict != "not_candidate";
+  std::string title = candidate ? pair.verdict : "not a candidate";
+  title += ": " + count_text(pair.votes, "vote");
+  if (pair.matches && pair.inliers) {
+    title += ", " + count_text(*pair.inliers, "inlier") + " of " + count_text(*pair.matches, "match", "matches");
+  }
+  return title;
+}
+
+std::string subtitle_of(const Explained& e) {
+  const contract::Pair& pair = *e.pair;
+  const std::string why = pair.reason ? reason_text(*pair.reason) : "geometry: " + geometry_text(pair);
+  return "Merge " + std::to_string(e.merge.id) + ", " + e.merge.map + ": vertices " + std::to_string(pair.u) + " and " +
+         std::to_string(pair.v) + ". " + why;
+}
+
+drawing::FigureImage figure_image(client::Client& server, const std::string& map, const contract::Vertex& vertex) {
+  return {.bytes = server.vertex_image(map, vertex.vertex),
+          .width_px = vertex.width_px,
+          .height_px = vertex.height_px,
+          .caption = image_text(vertex)};
+}
+
+int explain(const Context& context, const ExplainOptions& options) {
+  const bool svg = options.out.ends_with(".svg");
+  if (!options.out.empty() && !svg && !options.out.ends_with(".png")) {
+    throw UsageError("--out takes a file that ends in .png or .svg, not \"" + options.out + "\".");
+  }
+  client::Client server = context.connect();
+  Explained e;
+  e.pair = server.merge_pair(options.job, options.u, options.v, true);
+  e.merge = *server.merge(options.job);
+  e.u = *server.vertex(e.merge.map, e.pair->u);
+  e.v = *server.vertex(e.merge.map, e.pair->v);
+  if (!options.out.empty()) {
+    OutputFile out(options.out);
+    const drawing::PairFigure figure{.title = title_of(e),
+                                     .subtitle = subtitle_of(e),
+                                     .u = figure_image(server, e.merge.map, e.u),
+                                     .v = figure_image(server, e.merge.map, e.v),
+                                     .matches = e.pair->inlier_matches.value_or(std::vector<contract::PointMatch>{})};
+    out.write(svg ? drawing::pair_svg(figure) : drawing::pair_png(figure));
+    out.commit();
+  }
+  if (context.json) {
+    print_json(e.pair.json);
+  } else {
+    print(describe(e));
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_explain_command(CLI::App& app, Context& context) {
+  const auto options = std::make_shared<ExplainOptions>();
+  CLI::App* command = app.add_subcommand("explain", "Say why two images of a merge have an edge, or none");
+  command->add_option("JOB", options->job, "The merge's number")->required()->check(CLI::NonNegativeNumber);
+  command->add_option("U", options->u, "A vertex of the merged map")->required()->check(CLI::NonNegativeNumber);
+  command->add_option("V", options->v, "A vertex of another member")->required()->check(CLI::NonNegativeNumber);
+  command->add_option("--out", options->out, "Draw both images and the matches that held: a .png or .svg file");
+  command->callback([=, &context] { context.action = [=, &context] { return explain(context, *options); }; });
+}
+
+}  // namespace mapweld::command
