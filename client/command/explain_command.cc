@@ -101,9 +101,9 @@ std::string title_of(const Explained& e) {
 
 std::string subtitle_of(const Explained& e) {
   const contract::Pair& pair = *e.pair;
-  const std::string why = pair.reason ? reason_text(*pair.reason) : "geometry: " + geometry_text(pair);
-  return "Merge " + std::to_string(e.merge.id) + ", " + e.merge.map + ": vertices " + std::to_string(pair.u) + " and " +
-         std::to_string(pair.v) + ". " + why;
+  const std::string why = pair.reason ? reason_text(*pair.reason) : geometry_text(pair);
+  return "Merge " + std::to_string(e.merge.id) + ", " + e.merge.map + ", vertices " + std::to_string(pair.u) + " and " +
+         std::to_string(pair.v) + ": " + why;
 }
 
 drawing::FigureImage figure_image(client::Client& server, const std::string& map, const contract::Vertex& vertex) {

@@ -32,10 +32,10 @@ struct Colour {
 constexpr Colour kInk = {0.12, 0.14, 0.16};  // as in the other figures, svg.h
 constexpr Colour kFaintInk = {0.38, 0.42, 0.45};
 
-// Bright and dark colours in turn, hues apart by the golden angle, so that lines next to one another differ.
-Colour colour_of(std::size_t match) {
-  const double hue = 6 * std::fmod(static_cast<double>(match) * 0.618033988749895, 1.0);
-  const double value = match % 2 == 0 ? 1.0 : 0.8;
+// Bright and dark colours in turn, hues apart by the golden angle: near numbers have unlike colours.
+Colour colour_of(std::size_t number) {
+  const double hue = 6 * std::fmod(static_cast<double>(number) * 0.618033988749895, 1.0);
+  const double value = number % 2 == 0 ? 1.0 : 0.8;
   const auto channel = [&](double shift) {
     const double at = std::fmod(hue + shift, 6.0);
     return value * std::clamp(std::abs(at - 3) - 1, 0.0, 1.0);
@@ -114,18 +114,33 @@ void draw_dot(cairo_t* context, double x_px, double y_px, const Colour& colour) 
   cairo_stroke(context);
 }
 
-void draw_matches(cairo_t* context, const std::vector<contract::PointMatch>& matches, const PairLayout& layout) {
+struct Line {
+  double from_x, from_y, to_x, to_y;
+};
+
+// From the highest to the lowest, so that colours by number differ between neighbours.
+std::vector<Line> lines_of(const std::vector<contract::PointMatch>& matches, const PairLayout& layout) {
+  std::vector<Line> lines;
+  lines.reserve(matches.size());
+  for (const contract::PointMatch& match : matches) {
+    lines.push_back({layout.u.x_px(match.u), layout.u.y_px(match.u), layout.v.x_px(match.v), layout.v.y_px(match.v)});
+  }
+  std::ranges::stable_sort(lines, {}, [](const Line& line) { return line.from_y + line.to_y; });
+  return lines;
+}
+
+void draw_lines(cairo_t* context, const std::vector<Line>& lines) {
   // All lines first: no line hides a dot.
-  for (std::size_t i = 0; i < matches.size(); ++i) {
-    cairo_move_to(context, layout.u.x_px(matches[i].u), layout.u.y_px(matches[i].u));
-    cairo_line_to(context, layout.v.x_px(matches[i].v), layout.v.y_px(matches[i].v));
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    cairo_move_to(context, lines[i].from_x, lines[i].from_y);
+    cairo_line_to(context, lines[i].to_x, lines[i].to_y);
     set_colour(context, colour_of(i), 0.75);
     cairo_set_line_width(context, 1.2);
     cairo_stroke(context);
   }
-  for (std::size_t i = 0; i < matches.size(); ++i) {
-    draw_dot(context, layout.u.x_px(matches[i].u), layout.u.y_px(matches[i].u), colour_of(i));
-    draw_dot(context, layout.v.x_px(matches[i].v), layout.v.y_px(matches[i].v), colour_of(i));
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    draw_dot(context, lines[i].from_x, lines[i].from_y, colour_of(i));
+    draw_dot(context, lines[i].to_x, lines[i].to_y, colour_of(i));
   }
 }
 
@@ -143,7 +158,7 @@ std::string render(const PairFigure& figure, Render to_file) {
     write(context, figure.v.caption, {layout.v.left_px, kCaptionBaseline, 13, layout.v.zoom * figure.v.width_px});
     place_image(context, u, layout.u);
     place_image(context, v, layout.v);
-    draw_matches(context, figure.matches, layout);
+    draw_lines(context, lines_of(figure.matches, layout));
   });
 }
 

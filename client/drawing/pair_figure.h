@@ -40,8 +40,8 @@ struct PairLayout {
 };
 PairLayout layout_pair(const FigureImage& u, const FigureImage& v);
 
-// The figure as a file. Each match has a colour of its own, unlike those of the matches before and after it, and a
-// dot at either end. The same every time (text: with the same fonts). Throws std::runtime_error for an image that
+// The figure as a file. Each match has a colour of its own, unlike those of the lines above and below it, and a dot at
+// either end. The same pixels every time (text: with the same fonts). Throws std::runtime_error for an image that
 // cannot be decoded or does not have the size that the map has it in.
 std::string pair_png(const PairFigure& figure);
 std::string pair_svg(const PairFigure& figure);
