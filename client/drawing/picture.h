@@ -19,8 +19,9 @@ using Picture = std::unique_ptr<cairo_surface_t, FreeSurface>;
 int width_px(const Picture& picture);
 int height_px(const Picture& picture);
 
-// The pixels of a JPEG or PNG, upright (a JPEG's EXIF orientation applied), 8 bits a channel, transparency ignored.
-// Throws std::runtime_error for what is neither. Of a file that breaks off, which no server takes, what is there.
+// The pixels of a JPEG or PNG, upright (EXIF orientation applied; a PNG's, which is rare, is not), 8 bits a channel,
+// transparency ignored. Throws std::runtime_error for what is neither. Of a file that breaks off, which no server
+// takes, what is there.
 Picture decode_picture(std::string_view bytes);
 
 // What `draw` draws on white paper of this size, as the bytes of a file. The unit is the pixel, its origin the upper
