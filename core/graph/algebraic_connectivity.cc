@@ -58,28 +58,15 @@ bool is_connected(std::uint32_t vertices, const std::vector<LaplacianEdge>& edge
 class PseudoInverse {
  public:
   using Scalar = double;
-  PseudoInverse(int vertices, int ground, const GroundedLaplacian& solver)
-      : vertices_(vertices), ground_(ground), solver_(solver) {}
+  PseudoInverse(int vertices, const GroundedLaplacian& solver) : vertices_(vertices), solver_(solver) {}
   Eigen::Index rows() const { return vertices_; }
   Eigen::Index cols() const { return vertices_; }
   void perform_op(const double* x_in, double* y_out) const {
-    const Eigen::Map<const Vector> x(x_in, vertices_);
-    Eigen::Map<Vector> y(y_out, vertices_);
-    const double mean = x.mean();
-    const Eigen::Index after = vertices_ - ground_ - 1;
-    Vector b(vertices_ - 1);
-    b.head(ground_) = x.head(ground_).array() - mean;
-    b.tail(after) = x.tail(after).array() - mean;
-    const Vector z = solver_.solve(b);
-    y.head(ground_) = z.head(ground_);
-    y[ground_] = 0;
-    y.tail(after) = z.tail(after);
-    y.array() -= y.mean();
+    Eigen::Map<Vector>(y_out, vertices_) = solver_.solve(Eigen::Map<const Vector>(x_in, vertices_));
   }
 
  private:
   int vertices_;
-  int ground_;
   const GroundedLaplacian& solver_;
 };
 
@@ -105,9 +92,9 @@ AlgebraicConnectivity solve_dense(const AppearanceGraph& graph, const std::vecto
   return measure(solver.eigenvectors().col(1), edges, EigenSolver::kDense);
 }
 
-AlgebraicConnectivity solve_by_inverse(int n, int ground, const GroundedLaplacian& solver,
-                                       const std::vector<LaplacianEdge>& edges, EigenSolver how) {
-  PseudoInverse inverse(n, ground, solver);
+AlgebraicConnectivity solve_by_inverse(int n, const GroundedLaplacian& solver, const std::vector<LaplacianEdge>& edges,
+                                       EigenSolver how) {
+  PseudoInverse inverse(n, solver);
   for (int basis = 20;; basis *= 2) {
     Spectra::SymEigsSolver<PseudoInverse> lanczos(inverse, 1, std::min(basis, n));
     lanczos.init();
@@ -146,10 +133,10 @@ AlgebraicConnectivity algebraic_connectivity(const AppearanceGraph& graph,
     if (graph.degree(VertexId(v)) > graph.degree(VertexId(ground))) ground = v;
   }
   if (const auto factor = factor_if_thin(n, ground, edges, options.max_factor_work_per_vertex * n)) {
-    return solve_by_inverse(n, ground, *factor, edges, EigenSolver::kCholesky);
+    return solve_by_inverse(n, *factor, edges, EigenSolver::kCholesky);
   }
   if (auto result = iterate(n, edges, options.start)) return *std::move(result);
-  return solve_by_inverse(n, ground, *conjugate_gradients(n, ground, edges), edges, EigenSolver::kConjugateGradients);
+  return solve_by_inverse(n, *conjugate_gradients(n, ground, edges), edges, EigenSolver::kConjugateGradients);
 }
 
 LargestComponentConnectivity largest_component_connectivity(const AppearanceGraph& graph,

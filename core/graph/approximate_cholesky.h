@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "core/graph/grounded_laplacian.h"
+#include "core/graph/preconditioner.h"
 
 namespace mapweld {
 
@@ -20,13 +21,13 @@ namespace mapweld {
 //
 // Graphs of high degree want to be made sparse first (core/graph/sparsify.h). Deterministic: the random numbers come
 // from a fixed seed. Immutable once made.
-class ApproximateCholesky {
+class ApproximateCholesky final : public Preconditioner {
  public:
   // Loops are not allowed; parallel edges add up.
   ApproximateCholesky(int vertices, std::span<const LaplacianEdge> edges);
 
   // About L^+ b, orthogonal to 1: a symmetric positive operator on the complement of 1. n entries.
-  Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
+  Eigen::VectorXd solve(const Eigen::VectorXd& b) const override;
 
   std::size_t entries() const { return rows_.size(); }  // of the strictly lower triangle of C
 

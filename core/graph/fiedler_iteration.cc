@@ -66,7 +66,7 @@ Vector random_vector(int n) {
   return x;
 }
 
-Vector first_vector(int n, const ApproximateCholesky& preconditioner, const Vector& start) {
+Vector first_vector(int n, const Preconditioner& preconditioner, const Vector& start) {
   Vector smooth = preconditioner.solve(preconditioner.solve(random_vector(n)));
   smooth.normalize();
   if (start.size() != n) return smooth;
@@ -178,7 +178,7 @@ RayleighQuotient rayleigh_quotient(const Vector& x, std::span<const LaplacianEdg
 }
 
 FiedlerIteration iterate_to_fiedler(int vertices, std::span<const LaplacianEdge> edges,
-                                    const ApproximateCholesky& preconditioner, const Vector& start,
+                                    const Preconditioner& preconditioner, const Vector& start,
                                     const FiedlerIterationOptions& options) {
   const LaplacianProduct product(vertices, edges);
   const int capacity = std::min(std::max(options.basis, 4), vertices - 1);
@@ -213,6 +213,9 @@ FiedlerIteration iterate_to_fiedler(int vertices, std::span<const LaplacianEdge>
   }
   centre(result.vector);
   result.vector.normalize();
+  Eigen::Index greatest = 0;
+  result.vector.cwiseAbs().maxCoeff(&greatest);
+  if (result.vector[greatest] < 0) result.vector = -result.vector;
   const RayleighQuotient quotient = rayleigh_quotient(result.vector, edges);
   result.value = quotient.value;
   result.residual = quotient.residual;

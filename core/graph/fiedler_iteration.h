@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
-#include "core/graph/approximate_cholesky.h"
 #include "core/graph/grounded_laplacian.h"
+#include "core/graph/preconditioner.h"
 
 namespace mapweld {
 
@@ -31,7 +31,7 @@ struct FiedlerIterationOptions {
 struct FiedlerIteration {
   double value = 0;        // the Rayleigh quotient of `vector`: an upper bound of lambda_2 however early it stopped
   double residual = 0;     // |L x - value x|
-  Eigen::VectorXd vector;  // n, unit length, orthogonal to 1
+  Eigen::VectorXd vector;  // n, unit length, orthogonal to 1, the entry of greatest modulus positive
   int iterations = 0;      // products with L
   bool converged = false;  // it stopped by `tolerance` or `least_progress`, not by `max_iterations`
 };
@@ -44,7 +44,7 @@ struct FiedlerIteration {
 // thousandth of a smoothed random vector is added to it, lest a start that is another eigenvector is taken for the
 // answer.
 FiedlerIteration iterate_to_fiedler(int vertices, std::span<const LaplacianEdge> edges,
-                                    const ApproximateCholesky& preconditioner, const Eigen::VectorXd& start = {},
+                                    const Preconditioner& preconditioner, const Eigen::VectorXd& start = {},
                                     const FiedlerIterationOptions& options = {});
 
 }  // namespace mapweld

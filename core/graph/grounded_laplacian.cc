@@ -18,11 +18,12 @@ using Matrix = Eigen::SparseMatrix<double>;
 class CholeskySolver final : public GroundedLaplacian {
  public:
   using Permutation = Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int>;
-  CholeskySolver(const Matrix& permuted, Permutation permutation) : permutation_(std::move(permutation)) {
+  CholeskySolver(int ground, const Matrix& permuted, Permutation permutation)
+      : GroundedLaplacian(ground), permutation_(std::move(permutation)) {
     factor_.compute(permuted);
     if (factor_.info() != Eigen::Success) throw std::runtime_error("the grounded Laplacian did not factor");
   }
-  Eigen::VectorXd solve(const Eigen::VectorXd& b) const override {
+  Eigen::VectorXd solve_grounded(const Eigen::VectorXd& b) const override {
     const Eigen::VectorXd permuted = permutation_ * b;
     const Eigen::VectorXd x = factor_.solve(permuted);
     return permutation_.transpose() * x;
@@ -35,12 +36,12 @@ class CholeskySolver final : public GroundedLaplacian {
 
 class ConjugateGradientSolver final : public GroundedLaplacian {
  public:
-  explicit ConjugateGradientSolver(Matrix matrix) : matrix_(std::move(matrix)) {
+  ConjugateGradientSolver(int ground, Matrix matrix) : GroundedLaplacian(ground), matrix_(std::move(matrix)) {
     gradients_.setTolerance(1e-13);
     gradients_.setMaxIterations(20 * static_cast<int>(std::sqrt(static_cast<double>(matrix_.rows()))) + 2000);
     gradients_.compute(matrix_);
   }
-  Eigen::VectorXd solve(const Eigen::VectorXd& b) const override { return gradients_.solve(b); }
+  Eigen::VectorXd solve_grounded(const Eigen::VectorXd& b) const override { return gradients_.solve(b); }
 
  private:
   Matrix matrix_;
@@ -91,6 +92,21 @@ Matrix grounded_matrix(int vertices, int ground, std::span<const LaplacianEdge> 
 
 }  // namespace
 
+Eigen::VectorXd GroundedLaplacian::solve(const Eigen::VectorXd& b) const {
+  const double mean = b.mean();
+  const Eigen::Index after = b.size() - ground_ - 1;
+  Eigen::VectorXd grounded(b.size() - 1);
+  grounded.head(ground_) = b.head(ground_).array() - mean;
+  grounded.tail(after) = b.tail(after).array() - mean;
+  const Eigen::VectorXd z = solve_grounded(grounded);
+  Eigen::VectorXd x(b.size());
+  x.head(ground_) = z.head(ground_);
+  x[ground_] = 0;
+  x.tail(after) = z.tail(after);
+  x.array() -= x.mean();
+  return x;
+}
+
 std::unique_ptr<GroundedLaplacian> factor_if_thin(int vertices, int ground, std::span<const LaplacianEdge> edges,
                                                   double max_work) {
   const Matrix grounded = grounded_matrix(vertices, ground, edges);
@@ -100,11 +116,11 @@ std::unique_ptr<GroundedLaplacian> factor_if_thin(int vertices, int ground, std:
   Matrix permuted(vertices - 1, vertices - 1);
   permuted = grounded.twistedBy(permutation);
   if (!factor_is_affordable(permuted, max_work)) return nullptr;
-  return std::make_unique<CholeskySolver>(permuted, permutation);
+  return std::make_unique<CholeskySolver>(ground, permuted, permutation);
 }
 
 std::unique_ptr<GroundedLaplacian> conjugate_gradients(int vertices, int ground, std::span<const LaplacianEdge> edges) {
-  return std::make_unique<ConjugateGradientSolver>(grounded_matrix(vertices, ground, edges));
+  return std::make_unique<ConjugateGradientSolver>(ground, grounded_matrix(vertices, ground, edges));
 }
 
 }  // namespace mapweld

@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include "core/graph/preconditioner.h"
+
 namespace mapweld {
 
 struct LaplacianEdge {
@@ -14,12 +16,18 @@ struct LaplacianEdge {
   double weight = 0;  // > 0
 };
 
-// Immutable once made.
-class GroundedLaplacian {
+// As a preconditioner: L^+ itself.
+class GroundedLaplacian : public Preconditioner {
  public:
-  virtual ~GroundedLaplacian() = default;
+  explicit GroundedLaplacian(int ground) : ground_(ground) {}
+  Eigen::VectorXd solve(const Eigen::VectorXd& b) const final;
+
+ protected:
   // Solves L_g x = b; n - 1 entries each: vertex v stands at v, or at v - 1 past the ground.
-  virtual Eigen::VectorXd solve(const Eigen::VectorXd& b) const = 0;
+  virtual Eigen::VectorXd solve_grounded(const Eigen::VectorXd& b) const = 0;
+
+ private:
+  int ground_;
 };
 
 // Both for a connected graph of n = `vertices` vertices.

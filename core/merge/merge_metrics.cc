@@ -49,17 +49,15 @@ MergeMetrics MergeMetricsFollower::measure(const AppearanceGraph& graph, const s
   const bool has_only_grown = eigenvalues_computed_ > 0 && vertices_ == graph.vertices() &&
                               inner_edges_ == inner_edges && seen_.size() <= ends.size() &&
                               std::equal(seen_.begin(), seen_.end(), ends.begin());
-  if (!has_only_grown || can_have_changed(largest_, std::span(ends).subspan(computed_at_))) {
-    AlgebraicConnectivityOptions options;
-    if (has_only_grown) options.start = largest_.connectivity.fiedler;
-    largest_ = largest_component_connectivity(graph, options);
+  if (!has_only_grown || can_have_changed(connectivity_.last(), std::span(ends).subspan(computed_at_))) {
+    connectivity_.refresh(graph);
     computed_at_ = ends.size();
     ++eigenvalues_computed_;
   }
   vertices_ = graph.vertices();
   inner_edges_ = inner_edges;
   seen_ = std::move(ends);
-  return metrics_of(graph, largest_, members, seen_);
+  return metrics_of(graph, connectivity_.last(), members, seen_);
 }
 
 }  // namespace mapweld

@@ -8,6 +8,7 @@
 
 #include "core/graph/algebraic_connectivity.h"
 #include "core/graph/appearance_graph.h"
+#include "core/graph/connectivity_follower.h"
 #include "core/merge/merge_input.h"
 #include "core/merge/merge_state.h"
 
@@ -30,7 +31,8 @@ MergeMetrics merge_metrics(const AppearanceGraph& graph, const std::vector<Merge
 
 // The same, asked again and again as inter edges arrive: the eigenvalue is computed only when the edges since it was
 // last computed can have changed it by more than 1e-7 of its value (`can_have_changed`), and then from the last
-// eigenvector; so every value is within 2e-7 of the exact one. Counts are exact.
+// eigenvector under the last factor (core/graph/connectivity_follower.h); so every value is within 2e-7 of the exact
+// one. Counts are exact.
 //
 // It only looks on. Whatever is not "the same and more edges" (an inter edge gone, inner edges or vertices added)
 // starts it anew.
@@ -41,13 +43,13 @@ class MergeMetricsFollower {
 
   // Components and eigenvector as of the last computation. Until `measure` computes them anew the largest component is
   // that of the graph given to it last, and lambda_2 there is at least this value: what `certify` needs.
-  const LargestComponentConnectivity& largest() const { return largest_; }
+  const LargestComponentConnectivity& largest() const { return connectivity_.last(); }
   std::uint64_t eigenvalues_computed() const { return eigenvalues_computed_; }
 
  private:
-  LargestComponentConnectivity largest_;
+  ConnectivityFollower connectivity_;
   std::vector<std::pair<VertexId, VertexId>> seen_;  // inter edges of the last call
-  std::size_t computed_at_ = 0;                      // how many there were when largest_ was computed
+  std::size_t computed_at_ = 0;                      // how many there were at the last refresh of connectivity_
   std::uint32_t vertices_ = 0;
   std::uint64_t inner_edges_ = 0;
   std::uint64_t eigenvalues_computed_ = 0;

@@ -4,6 +4,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "core/graph/approximate_cholesky.h"
 #include "core/graph/fiedler_iteration.h"
 #include "core/graph/sparsify.h"
 #include "core/merge/certificate.h"

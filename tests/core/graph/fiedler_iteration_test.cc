@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/graph/approximate_cholesky.h"
 #include "core/graph/sparsify.h"
 #include "tests/core/graph/laplacian_oracle.h"
 #include "tests/core/graph/sample_graphs.h"
