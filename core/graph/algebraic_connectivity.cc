@@ -109,9 +109,9 @@ AlgebraicConnectivity solve_by_inverse(int n, const GroundedLaplacian& solver, c
   }
 }
 
-std::optional<AlgebraicConnectivity> iterate(int n, const std::vector<LaplacianEdge>& edges, const Vector& start) {
+std::optional<AlgebraicConnectivity> iterate(int n, const std::vector<LaplacianEdge>& edges) {
   const ApproximateCholesky preconditioner(n, sparsify(n, edges, kOversampling));
-  FiedlerIteration found = iterate_to_fiedler(n, edges, preconditioner, start, {.max_iterations = kMaxIterations});
+  FiedlerIteration found = iterate_to_fiedler(n, edges, preconditioner, {}, {.max_iterations = kMaxIterations});
   if (!found.converged) return std::nullopt;
   return measure(std::move(found.vector), edges, EigenSolver::kIteration);
 }
@@ -135,7 +135,7 @@ AlgebraicConnectivity algebraic_connectivity(const AppearanceGraph& graph,
   if (const auto factor = factor_if_thin(n, ground, edges, options.max_factor_work_per_vertex * n)) {
     return solve_by_inverse(n, *factor, edges, EigenSolver::kCholesky);
   }
-  if (auto result = iterate(n, edges, options.start)) return *std::move(result);
+  if (auto result = iterate(n, edges)) return *std::move(result);
   return solve_by_inverse(n, *conjugate_gradients(n, ground, edges), edges, EigenSolver::kConjugateGradients);
 }
 

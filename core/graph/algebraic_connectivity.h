@@ -18,9 +18,6 @@ struct AlgebraicConnectivityOptions {
   // A sparse Cholesky factor that would need more multiplications than this for each vertex is not made: in graphs
   // with many long-range edges it fills, and preconditioned iteration is the faster.
   double max_factor_work_per_vertex = 2000;
-  // A vector near the Fiedler vector, for example of a graph with a few edges less; of another size: none. It saves
-  // steps where the iteration is used, and changes the result within its accuracy only.
-  Eigen::VectorXd start;
   std::uint32_t dense_up_to = 24;  // vertices; smaller graphs are left to the dense solver
 };
 

@@ -165,19 +165,6 @@ TEST(LargestComponent, IsJudgedAlone) {
   EXPECT_EQ(largest_component_connectivity(AppearanceGraph()).components, 0u);
 }
 
-TEST(AlgebraicConnectivity, FindsTheSameFromAnyStart) {
-  const AppearanceGraph graph = test::random_map(1200, 3, 0.9, 3);
-  const AlgebraicConnectivity cold = algebraic_connectivity(graph, only_iteration());
-  ASSERT_EQ(cold.solver, EigenSolver::kIteration);
-  AlgebraicConnectivityOptions options = only_iteration();
-  for (const Eigen::Index size : {1200, 7}) {
-    options.start = Eigen::VectorXd::LinSpaced(size, -1, 1);
-    expect_relative(algebraic_connectivity(graph, options).value, cold.value, 1e-9, "another start");
-  }
-  options.start = cold.fiedler;
-  expect_relative(algebraic_connectivity(graph, options).value, cold.value, 1e-9, "its own vector");
-}
-
 TEST(CanHaveChanged, IsNeverWrongWhenItSaysNo) {
   int no = 0, yes = 0;
   for (std::uint32_t seed = 0; seed < 60; ++seed) {
