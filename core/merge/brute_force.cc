@@ -11,6 +11,16 @@ BruteForce::BruteForce(MergeInput input) : PairMerger(std::move(input), true) {
   advance();
 }
 
+std::optional<std::vector<Candidate>> BruteForce::open_candidates() const {
+  if (state_.search.next_row < votes().rows()) return std::nullopt;
+  return PairMerger::open_candidates();
+}
+
+std::vector<Candidate> BruteForce::candidates_left() const {
+  const PairSearch& search = state_.search;
+  return {search.pending.begin() + static_cast<std::ptrdiff_t>(search.pending_next), search.pending.end()};
+}
+
 void BruteForce::upcoming(std::size_t most, std::vector<Candidate>& candidates) const {
   const PairSearch& search = state_.search;
   for (std::size_t i = search.pending_next; i < search.pending.size() && candidates.size() < most; ++i) {

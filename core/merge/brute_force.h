@@ -16,8 +16,11 @@ class BruteForce final : public PairMerger {
   static constexpr std::string_view kName = "brute-force";
   explicit BruteForce(MergeInput input);
   void step() override;
+  // Votes are counted image by image: they are all in with the last image of the last pair of members.
+  std::optional<std::vector<Candidate>> open_candidates() const override;
 
  private:
+  std::vector<Candidate> candidates_left() const override;
   void upcoming(std::size_t most, std::vector<Candidate>& candidates) const override;
   void vote();
   void advance();

@@ -24,6 +24,7 @@ class DegreeMin final : public PairMerger {
 
  private:
   void resume(MergeState state) override;
+  std::vector<Candidate> candidates_left() const override { return cells_left(); }
   void begin_pair();
   void begin_drawing();
   void draw_until_candidate();

@@ -37,6 +37,7 @@ struct RejectedPair {
   Reason reason = Reason::kNone;
   std::uint16_t matches = 0;
   std::uint16_t inliers = 0;
+  std::uint32_t votes = 0;  // when it was verified: final, but in exploration
   friend bool operator==(const RejectedPair&, const RejectedPair&) = default;
 };
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "core/graph/appearance_graph.h"
 #include "core/merge/merge_input.h"
@@ -36,6 +37,8 @@ class Merger {
   virtual std::uint32_t words_total() const { return 0; }
   // How many candidates there are altogether, where that is known before they have all been found.
   virtual std::optional<std::uint64_t> candidates_total() const { return std::nullopt; }
+  // All candidates without a verdict, with their final votes; nothing while there are votes still to be counted.
+  virtual std::optional<std::vector<Candidate>> open_candidates() const { return std::nullopt; }
 
  protected:
   // At the beginning: the merged graph has the inner edges only.

@@ -5,6 +5,7 @@
 #include <functional>
 #include <stdexcept>
 #include <string_view>
+#include <unordered_set>
 #include <utility>
 
 #include "core/errors.h"
@@ -83,6 +84,37 @@ std::optional<std::uint64_t> PairMerger::candidates_total() const {
   // Without a count beforehand there is one pair of members, whose votes come first.
   if (!candidates_total_ && state_.phase != MergePhase::kVoting) return state_.candidates_known;
   return candidates_total_;
+}
+
+std::optional<std::vector<Candidate>> PairMerger::open_candidates() const {
+  if (done()) return std::vector<Candidate>{};
+  const bool is_counting = state_.phase == MergePhase::kVoting || state_.phase == MergePhase::kExploration;
+  if (is_counting || state_.pair + 1 < pairs_.size()) return std::nullopt;
+  std::vector<Candidate> left = candidates_left();
+  if (!known_.empty()) {
+    std::erase_if(left, [this](const Candidate& c) { return known_.contains(pair_key(c.source, c.target)); });
+  }
+  return left;
+}
+
+std::vector<Candidate> PairMerger::candidates_left() const {
+  const PairSearch& search = state_.search;
+  return {search.postponed.begin() + static_cast<std::ptrdiff_t>(search.postponed_next), search.postponed.end()};
+}
+
+std::vector<Candidate> PairMerger::cells_left() const {
+  std::unordered_set<std::uint64_t> verified;
+  for (const MergeEdge& e : state_.edges) verified.insert(pair_key(e.u, e.v));
+  for (const RejectedPair& r : state_.rejected) verified.insert(pair_key(r.source, r.target));
+  std::vector<Candidate> left;
+  const SimilarityMatrix& s = state_.search.similarity;
+  for (std::uint32_t row = 0; row < s.appended_rows(); ++row) {
+    for (std::uint64_t k = s.offsets()[row]; k < s.offsets()[row + 1]; ++k) {
+      const Candidate candidate{source(row), target(s.kept_columns()[k]), s.votes()[k]};
+      if (!verified.contains(pair_key(candidate.source, candidate.target))) left.push_back(candidate);
+    }
+  }
+  return left;
 }
 
 void PairMerger::open_pair() {
@@ -171,7 +203,7 @@ bool PairMerger::record(const Candidate& candidate, const std::function<std::uin
   if (!verdict.accepted) {
     const auto short_count = [](int count) { return static_cast<std::uint16_t>(std::clamp(count, 0, 65535)); };
     state_.rejected.push_back({candidate.source, candidate.target, verdict.reason, short_count(verdict.matches),
-                               short_count(verdict.inliers)});
+                               short_count(verdict.inliers), candidate.votes});
     return false;
   }
   graph_.add_edge(u, v, static_cast<std::uint32_t>(verdict.inliers));

@@ -20,6 +20,7 @@ namespace mapweld {
 class PairMerger : public Merger {
  public:
   std::optional<std::uint64_t> candidates_total() const override;
+  std::optional<std::vector<Candidate>> open_candidates() const override;
 
  protected:
   // With `counts_candidates` all votes are counted once, so that candidates_total() is known; with more than two
@@ -47,6 +48,13 @@ class PairMerger : public Merger {
   bool verify(const Candidate& candidate);
   // The same for a candidate of any pair whose votes are final.
   bool verify_final(const Candidate& candidate);
+
+  // The candidates of the pair in hand that are still to be verified, once all its votes are in; they may hold some
+  // whose verdict is known from before the maps grew. By default: the rest of L.
+  virtual std::vector<Candidate> candidates_left() const;
+
+  // The candidates of the sparse S that have no verdict.
+  std::vector<Candidate> cells_left() const;
 
   // The candidates that will be verified next if all goes as it is expected to, for VerificationAhead: appends up to
   // `most`. None by default: then every pair is verified when its turn comes.

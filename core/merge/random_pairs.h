@@ -21,6 +21,7 @@ class RandomPairs final : public PairMerger {
 
  private:
   void resume(MergeState state) override;
+  std::vector<Candidate> candidates_left() const override { return cells_left(); }
   void upcoming(std::size_t most, std::vector<Candidate>& candidates) const override;
   // The next candidate at or after attempt `from`, of at most kLookUpsPerStep; `from` is moved past it.
   bool find_candidate(std::uint64_t& from, Candidate& candidate) const;
@@ -38,6 +39,7 @@ class RandomCandidates final : public PairMerger {
 
  private:
   void resume(MergeState state) override;
+  std::vector<Candidate> candidates_left() const override { return cells_left(); }
   void upcoming(std::size_t most, std::vector<Candidate>& candidates) const override;
   Candidate drawn(std::uint64_t attempt) const;
   void begin_pair();

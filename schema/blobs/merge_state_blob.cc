@@ -320,6 +320,7 @@ MergeStatePart encode_rejected_page(const std::vector<RejectedPair>& rejected, s
     content.u8(static_cast<std::uint8_t>(rejected[i].reason));
     content.varint(rejected[i].matches);
     content.varint(rejected[i].inliers);
+    content.varint(rejected[i].votes);
   }
   return std::move(content).pack(rejected_page_name(page));
 }
@@ -338,6 +339,7 @@ RejectedPair read_rejected_pair(ContentReader& content) {
   pair.reason = static_cast<Reason>(reason);
   pair.matches = u16();
   pair.inliers = u16();
+  pair.votes = content.varint32();
   return pair;
 }
 

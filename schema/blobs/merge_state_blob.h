@@ -20,7 +20,7 @@
 //                                  sources; flags of processed sources
 // "postponed"    exploration       the candidates of L, in order
 // "rejected-NNNNNN" when it grows  page NNNNNN of the rejected pairs, kRejectedPerPage each but the last: for each
-//                                  source, target, reason (byte), matches, inliers
+//                                  source, target, reason (byte), matches, inliers, votes
 //
 // The edges are not in here: they stand in their own table, written in the same transaction.
 #pragma once

@@ -31,7 +31,7 @@ contract::Quality measure(const AppearanceGraph& graph) {
   quality.min_degree = min_degree(graph);
   if (largest.components == 1) {
     quality.algebraic_connectivity = largest.connectivity.value;
-    quality.weighted_algebraic_connectivity = algebraic_connectivity(graph, {.weighting = Weighting::kInliers}).value;
+    quality.weighted_algebraic_connectivity = algebraic_connectivity(graph, AlgebraicConnectivityOptions{.weighting = Weighting::kInliers}).value;
     quality.edge_connectivity = edge_connectivity(graph);
   }
   return quality;

@@ -1,0 +1,46 @@
+#include "core/merge/fraction_stop.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "core/merge/pass_rate.h"
+
+namespace mapweld {
+
+std::optional<Certificate> certify(const Merger& merger, const LargestComponentConnectivity& largest) {
+  const std::optional<std::vector<Candidate>> left = merger.open_candidates();
+  if (!left) return std::nullopt;
+  const PassRate rate(merger.state());
+  std::vector<OpenCandidate> open;
+  open.reserve(left->size());
+  for (const Candidate& c : *left) open.push_back({c.source, c.target, rate.chance(c.votes)});
+  return certify(merger.graph(), largest, open);
+}
+
+std::optional<Certificate> certify(const Merger& merger) {
+  if (!merger.open_candidates()) return std::nullopt;
+  return certify(merger, largest_component_connectivity(merger.graph()));
+}
+
+std::uint64_t next_fraction_test(std::uint64_t verifications) {
+  constexpr std::uint64_t kFewest = 128;
+  std::uint64_t test = 0;
+  while (test <= verifications) test += std::max(kFewest, test / 8);
+  return test;
+}
+
+StopCondition stop_at_fraction(double fraction, bool certified) {
+  const auto holds = [fraction, certified, next = std::optional<std::uint64_t>()](const Merger& merger) mutable {
+    const std::uint64_t verifications = merger.state().verifications;
+    if (!next) next = next_fraction_test(verifications);
+    if (verifications < *next) return false;
+    next = next_fraction_test(verifications);
+    const std::optional<Certificate> now = certify(merger);
+    if (!now) return false;
+    if (certified) return now->joinable_vertices == 0 && now->certified_fraction >= fraction;
+    return now->likely_joinable_vertices == 0 && now->estimated_fraction >= fraction;
+  };
+  return stop_when_merger(holds, StopReason::kFractionOfMaximum);
+}
+
+}  // namespace mapweld

@@ -1,0 +1,26 @@
+// What a merge has reached of what it can reach; and stopping there.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "core/merge/certificate.h"
+#include "core/merge/merger.h"
+#include "core/merge/run.h"
+
+namespace mapweld {
+
+// The certificate of a merge as it stands, with the chances of PassRate. `largest`: largest_component_connectivity of
+// its graph, or of an earlier one with the same largest component. Nothing while there are votes still to be counted.
+std::optional<Certificate> certify(const Merger& merger, const LargestComponentConnectivity& largest);
+std::optional<Certificate> certify(const Merger& merger);
+
+// The first number of verifications after this one at which the fraction is tested: a test costs as much as some hundred
+// verifications. Fixed numbers, so that a merge stops at the same step however often it was interrupted.
+std::uint64_t next_fraction_test(std::uint64_t verifications);
+
+// Stops when, at a test, the fraction is reached and no vertex outside of the largest component could still come to it:
+// by the certificate, or by the estimate and likely joins. In (0, 1].
+StopCondition stop_at_fraction(double fraction, bool certified);
+
+}  // namespace mapweld
