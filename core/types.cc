@@ -18,6 +18,8 @@ std::string_view to_string(Reason reason) {
       return "inconsistent";
     case Reason::kUnsupported:
       return "unsupported";
+    case Reason::kAmbiguous:
+      return "ambiguous";
   }
   return "";
 }

@@ -44,8 +44,8 @@ struct Keypoint {
 struct Features {
   int width_px = 0;
   int height_px = 0;
-  std::vector<Keypoint> keypoints;         // N, strongest first
-  std::vector<std::uint8_t> descriptors;   // N x 128, row-major
+  std::vector<Keypoint> keypoints;        // N, strongest first
+  std::vector<std::uint8_t> descriptors;  // N x 128, row-major
   friend bool operator==(const Features&, const Features&) = default;
 };
 
@@ -93,12 +93,13 @@ struct Candidate {
 // Why a pair, an upload or a query found no match. `kNone`: it did.
 enum class Reason : std::uint8_t {
   kNone,
-  kTooFewFeatures,   // an image has fewer features than a match needs
-  kNoCandidate,      // no image of the map shares enough words
-  kTooFewInliers,    // fewer than min_inliers matches agree on one geometry
-  kNotSignificant,   // enough inliers, but chance explains them (number of false alarms too high)
-  kInconsistent,     // inliers fall apart under spatial consistency
-  kUnsupported,      // verified, but not confirmed by its neighbourhood (alias guard)
+  kTooFewFeatures,  // an image has fewer features than a match needs
+  kNoCandidate,     // no image of the map shares enough words
+  kTooFewInliers,   // fewer than min_inliers matches agree on one geometry
+  kNotSignificant,  // enough inliers, but chance explains them (number of false alarms too high)
+  kInconsistent,    // inliers fall apart under spatial consistency
+  kUnsupported,     // verified, but not confirmed by its neighbourhood (alias guard)
+  kAmbiguous,       // verified, but so is a place elsewhere, and nothing decides between them (alias guard)
 };
 
 // The word of http-api.md for a reason ("too_few_inliers", ...); empty for kNone.
@@ -111,9 +112,9 @@ enum class GeometryKind : std::uint8_t { kNone, kFundamental, kHomography };
 struct Verification {
   bool accepted = false;
   Reason reason = Reason::kNone;
-  int matches = 0;                 // one-to-one word matches that went into the estimation
-  int inliers = 0;                 // matches that survived geometry and spatial consistency
-  double log10_false_alarms = 0;   // log10 of the a-contrario number of false alarms of the inlier set
+  int matches = 0;                // one-to-one word matches that went into the estimation
+  int inliers = 0;                // matches that survived geometry and spatial consistency
+  double log10_false_alarms = 0;  // log10 of the a-contrario number of false alarms of the inlier set
   GeometryKind kind = GeometryKind::kNone;
   std::array<double, 9> geometry{};  // 3x3 row-major; for kFundamental  x_b^T F x_a = 0
   // Inlier matches: indices into a.appearances and b.appearances, ascending.

@@ -1,0 +1,72 @@
+// The alias guard: which verified edges between maps are confirmed (http-api.md, "Two layers of edges").
+//
+// A verified edge says that two images agree; it does not say that they show one place: doors, floors and posters of
+// one design agree as well. The guard judges each edge in the light of its two images as wholes, of the words it rests
+// on, and of all the other verified edges. docs/alias-guard.md has the rule, its reasons and its figures.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/merge/merge_input.h"
+#include "core/merge/merge_state.h"
+#include "core/types.h"
+
+namespace mapweld {
+
+// Defaults measured on rendered worlds, see docs/alias-guard.md.
+struct AliasGuardOptions {
+  // What the pair itself has to show. An edge that shows less is `unsupported`, and says nothing about others.
+  double max_log10_false_alarms = -12;  // stricter than the verifier: there are many pairs in a merge
+  double min_matched_share = 0.08;      // of the features in the common view (EdgeOverlap)
+  double min_shared_view = 0.25;        // of either image, as far as the matches tell (EdgeOverlap)
+  double min_spread = 0.07;             // of the matches, in diagonals (EdgeOverlap)
+
+  // Two edges support each other when their ends are at most so many hops apart in both maps, and contradict each other
+  // when they are in one map but more than far_hops apart in the other. far_hops at most 254.
+  int near_hops = 2;
+  int far_hops = 6;
+  // Hops go along the drive: over inner edges between images that their member took in at most so many apart. An edge
+  // that closes a loop is left out: inside a map too, what looks alike is linked, and where a guard is needed most of
+  // such links are wrong.
+  std::uint32_t longest_link = 12;
+
+  // An edge is dropped when what contradicts it weighs more than so many times what supports it (itself included),
+  // inliers counted; when what is dropped no longer contradicts, the others are weighed again.
+  double dropped_beyond = 1.5;
+  // Of those that stay, one that is contradicted by more than this share of its support is ambiguous, unless so many
+  // of its matches are of words that its maps have nowhere else (farther than far_hops from its ends).
+  double ambiguous_beyond = 0.5;
+  int min_rare_matches = 4;
+};
+
+// What the guard knows about one edge; for explanations and figures.
+struct EdgeEvidence {
+  double matched_share = 0;
+  double shared_view = 0;
+  double spread = 0;
+  int rare_matches = 0;             // inliers whose word occurs in either map near the edge's ends only
+  std::uint64_t support = 0;        // inliers of the edges that support it, its own included, at the last weighing
+  std::uint64_t contradiction = 0;  // inliers of the edges that contradict it
+  friend bool operator==(const EdgeEvidence&, const EdgeEvidence&) = default;
+};
+
+// kNone: confirmed. kUnsupported: the pair shows too little, or other edges say that it is elsewhere. kAmbiguous: two
+// places, and nothing decides between them.
+struct GuardVerdict {
+  Reason reason = Reason::kNone;
+  EdgeEvidence evidence;
+  bool confirmed() const { return reason == Reason::kNone; }
+  friend bool operator==(const GuardVerdict&, const GuardVerdict&) = default;
+};
+
+// A verdict for each of `inter_edges`, in their order: a function of the set of edges alone, whatever their order and
+// that of the members. Edges are judged by pairs of members; for one that joins a member with itself, or whose vertex
+// is in no member, std::invalid_argument is thrown. Reads the appearance vectors of all members; what the
+// source throws passes through. Deterministic; thread-safe as far as `appearances` is.
+std::vector<GuardVerdict> guard_edges(const std::vector<MergeMember>& members, std::span<const Edge> inner_edges,
+                                      std::span<const MergeEdge> inter_edges, const AppearanceSource& appearances,
+                                      const AliasGuardOptions& options = {});
+
+}  // namespace mapweld

@@ -1,0 +1,306 @@
+#include "core/merge/alias_guard.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <random>
+#include <set>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace mapweld {
+namespace {
+
+// Drives of images with a hundred features each on a regular grid. Every feature has a word of its own unless a test
+// says otherwise. Inner edges link each image to the two before it.
+class World {
+ public:
+  explicit World(std::vector<std::uint32_t> sizes) : members_(number_members(sizes)) {
+    for (const MergeMember& member : members_) {
+      for (std::size_t i = 0; i < member.vertices.size(); ++i) {
+        const std::uint32_t v = to_index(member.vertices[i]);
+        images_.push_back(image(1000 * (v + 1)));
+        for (std::uint32_t back = 1; back <= 2 && back <= i; ++back) link(v - back, v);
+      }
+    }
+  }
+
+  // Merged number of a member's vertex.
+  std::uint32_t at(std::size_t member, std::uint32_t own) const { return to_index(members_[member].vertices[own]); }
+  void link(std::uint32_t u, std::uint32_t v) { inner_.push_back({VertexId{u}, VertexId{v}, 60}); }
+
+  // Features first..last-1 of u and v match and lie at the same place in both images.
+  void join(std::uint32_t u, std::uint32_t v, std::uint16_t first = 0, std::uint16_t last = 60) {
+    MergeEdge edge;
+    edge.u = VertexId{u};
+    edge.v = VertexId{v};
+    edge.votes = 100;
+    edge.verification.accepted = true;
+    edge.verification.inliers = last - first;
+    edge.verification.matches = last - first;
+    edge.verification.log10_false_alarms = -40;
+    for (std::uint16_t i = first; i < last; ++i) edge.verification.inlier_matches.emplace_back(i, i);
+    edges_.push_back(edge);
+  }
+  // Images first.. of one map along first.. of another.
+  void join_drives(std::uint32_t u, std::uint32_t v, std::uint32_t images, std::uint16_t matches) {
+    for (std::uint32_t i = 0; i < images; ++i) join(u + i, v + i, 0, matches);
+  }
+  void set_word(std::uint32_t v, std::size_t feature, std::uint32_t word) {
+    images_[v].appearances[feature].word = WordId{word};
+  }
+  MergeEdge& last_edge() { return edges_.back(); }
+
+  std::vector<GuardVerdict> verdicts(const std::vector<MergeEdge>& edges, const AliasGuardOptions& options = {}) const {
+    std::vector<std::shared_ptr<const AppearanceVector>> vectors;
+    for (const auto& v : images_) {
+      AppearanceVector sorted = v;
+      std::ranges::stable_sort(sorted.appearances, {}, &Appearance::word);
+      vectors.push_back(std::make_shared<const AppearanceVector>(std::move(sorted)));
+    }
+    return guard_edges(members_, inner_, edges, AppearanceTable(std::move(vectors)), options);
+  }
+  std::vector<GuardVerdict> verdicts() const { return verdicts(edges_); }
+  std::vector<Reason> reasons() const {
+    std::vector<Reason> reasons;
+    for (const GuardVerdict& v : verdicts()) reasons.push_back(v.reason);
+    return reasons;
+  }
+  const std::vector<MergeEdge>& edges() const { return edges_; }
+  const std::vector<MergeMember>& members() const { return members_; }
+
+  // The same world with members 0 and 1 exchanged, and every edge's ends with them.
+  World exchanged() const {
+    World other({static_cast<std::uint32_t>(members_[1].vertices.size()),
+                 static_cast<std::uint32_t>(members_[0].vertices.size())});
+    const auto moved = [&](VertexId v) {
+      const auto n0 = static_cast<std::uint32_t>(members_[0].vertices.size());
+      const auto n1 = static_cast<std::uint32_t>(members_[1].vertices.size());
+      return VertexId{to_index(v) < n0 ? to_index(v) + n1 : to_index(v) - n0};
+    };
+    other.inner_.clear();
+    for (const Edge& e : inner_) other.inner_.push_back({moved(e.u), moved(e.v), e.weight});
+    for (std::uint32_t v = 0; v < images_.size(); ++v) other.images_[to_index(moved(VertexId{v}))] = images_[v];
+    for (const MergeEdge& e : edges_) {
+      MergeEdge mirrored_edge = e;
+      mirrored_edge.u = moved(e.v);
+      mirrored_edge.v = moved(e.u);
+      mirrored_edge.verification = mirrored(e.verification);
+      other.edges_.push_back(mirrored_edge);
+    }
+    return other;
+  }
+
+ private:
+  static AppearanceVector image(std::uint32_t first_word) {
+    AppearanceVector v{.width_px = 320, .height_px = 240, .appearances = {}};
+    for (std::uint32_t f = 0; f < 100; ++f) {
+      // Scattered over the image: feature f lies far from f + 1.
+      const std::uint32_t place = f * 37 % 100;
+      v.appearances.push_back({WordId{first_word + f}, 16.0f + 32 * static_cast<float>(place % 10),
+                               12.0f + 24 * static_cast<float>(place / 10), 4, 0});
+    }
+    return v;
+  }
+
+  std::vector<MergeMember> members_;
+  std::vector<Edge> inner_;
+  std::vector<AppearanceVector> images_;
+  std::vector<MergeEdge> edges_;
+};
+
+using ::testing::Each;
+using ::testing::ElementsAre;
+
+TEST(AliasGuard, NothingIsConfirmedOfNothing) {
+  const World world({5, 5});
+  EXPECT_TRUE(world.verdicts().empty());
+}
+
+TEST(AliasGuard, TwoDrivesAlongOnePlaceAreConfirmed) {
+  World world({30, 30});
+  world.join_drives(world.at(0, 10), world.at(1, 5), 12, 60);
+  EXPECT_THAT(world.reasons(), Each(Reason::kNone));
+}
+
+TEST(AliasGuard, TravelTheOtherWayIsNoContradiction) {
+  World world({30, 30});
+  for (std::uint32_t i = 0; i < 12; ++i) world.join(world.at(0, 5 + i), world.at(1, 25 - i));
+  EXPECT_THAT(world.reasons(), Each(Reason::kNone));
+}
+
+TEST(AliasGuard, ASingleTrueCrossingNeedsNoNeighbours) {
+  World world({30, 30});
+  world.join(world.at(0, 12), world.at(1, 20));
+  EXPECT_THAT(world.reasons(), ElementsAre(Reason::kNone));
+}
+
+TEST(AliasGuard, OneThingInTwoOtherwiseDifferentPlacesIsUnsupported) {
+  // Seven of a hundred features match: a poster; the other 93 lie in the common view and find no partner.
+  World world({30, 30});
+  world.join(world.at(0, 12), world.at(1, 20), 0, 7);
+  EXPECT_THAT(world.reasons(), ElementsAre(Reason::kUnsupported));
+}
+
+TEST(AliasGuard, AViewThatIsACornerOfAnotherIsUnsupported) {
+  // All features of one image match, within a tenth of the other's width and height: seen from afar.
+  World world({30, 30});
+  world.join(world.at(0, 12), world.at(1, 20), 0, 60);
+  auto edges = world.edges();
+  // Features are sorted by word; the first word has the lowest number. Take those of the corner for the second image.
+  std::vector<std::uint16_t> corner;
+  for (std::uint16_t f = 0; f < 100; ++f) {
+    const std::uint32_t place = f * 37u % 100;
+    if (place % 10 < 3 && place / 10 < 3) corner.push_back(f);
+  }
+  edges[0].verification.inlier_matches.clear();
+  for (const std::uint16_t f : corner) {
+    // place (x, y) in the corner of v is place (3x, 3y) of u.
+    const std::uint32_t place = f * 37u % 100;
+    const std::uint32_t wide = place / 10 * 30 + place % 10 * 3;
+    for (std::uint16_t g = 0; g < 100; ++g) {
+      if (g * 37u % 100 == wide) edges[0].verification.inlier_matches.emplace_back(g, f);
+    }
+  }
+  const auto verdicts = world.verdicts(edges);
+  EXPECT_LT(verdicts[0].evidence.shared_view, 0.2);
+  EXPECT_EQ(verdicts[0].reason, Reason::kUnsupported);
+}
+
+TEST(AliasGuard, SignificanceThatChanceReachesInAMergeIsUnsupported) {
+  World world({30, 30});
+  world.join(world.at(0, 12), world.at(1, 20));
+  world.last_edge().verification.log10_false_alarms = -7;
+  EXPECT_THAT(world.reasons(), ElementsAre(Reason::kUnsupported));
+}
+
+// b drives along 10..21 of a; and what looks alike there, at 60..71, agrees a good deal less.
+World look_alike_places(std::uint16_t right, std::uint16_t alike) {
+  World world({80, 30});
+  world.join_drives(world.at(0, 10), world.at(1, 5), 12, right);
+  world.join_drives(world.at(0, 60), world.at(1, 5), 12, alike);
+  // The words of the second place are those of the first: nothing is rare.
+  for (std::uint32_t i = 0; i < 12; ++i) {
+    for (std::size_t f = 0; f < 100; ++f) {
+      world.set_word(world.at(0, 60 + i), f, static_cast<std::uint32_t>(1000 * (world.at(0, 10 + i) + 1) + f));
+    }
+  }
+  return world;
+}
+
+TEST(AliasGuard, OfTwoPlacesTheBetterSupportedOneIsConfirmed) {
+  const World world = look_alike_places(80, 30);
+  const auto reasons = world.reasons();
+  EXPECT_THAT(std::vector(reasons.begin(), reasons.begin() + 12), Each(Reason::kNone));
+  EXPECT_THAT(std::vector(reasons.begin() + 12, reasons.end()), Each(Reason::kUnsupported));
+}
+
+TEST(AliasGuard, TwoPlacesAlikeAreBothAmbiguous) {
+  EXPECT_THAT(look_alike_places(60, 55).reasons(), Each(Reason::kAmbiguous));
+}
+
+TEST(AliasGuard, ALoopClosedInsideAMapDoesNotMakeTwoPlacesOne) {
+  // In look-alike corridors the map itself has wrong links from one to the other.
+  World world = look_alike_places(80, 30);
+  for (std::uint32_t i = 0; i < 12; ++i) world.link(world.at(0, 10 + i), world.at(0, 60 + i));
+  const auto reasons = world.reasons();
+  EXPECT_THAT(std::vector(reasons.begin(), reasons.begin() + 12), Each(Reason::kNone));
+  EXPECT_THAT(std::vector(reasons.begin() + 12, reasons.end()), Each(Reason::kUnsupported));
+}
+
+TEST(AliasGuard, MembersAreJudgedPairByPair) {
+  // c looks like a place of a and like a place of b: those are different maps, and no contradiction.
+  World world({30, 30, 30});
+  world.join_drives(world.at(0, 5), world.at(1, 5), 10, 60);
+  world.join_drives(world.at(0, 20), world.at(2, 5), 10, 60);
+  world.join_drives(world.at(1, 15), world.at(2, 5), 10, 60);
+  EXPECT_THAT(world.reasons(), Each(Reason::kNone));
+}
+
+TEST(AliasGuard, RareAreTheWordsThatOccurNowhereElse) {
+  World world({40, 10});
+  world.join(world.at(0, 5), world.at(1, 5), 0, 60);
+  const std::uint32_t first = 1000 * (world.at(0, 5) + 1);
+  for (std::uint32_t f = 0; f < 25; ++f) world.set_word(world.at(0, 35), f, first + f);  // far away
+  for (std::uint32_t f = 25; f < 50; ++f) world.set_word(world.at(0, 6), f, first + f);  // beside it
+  EXPECT_EQ(world.verdicts()[0].evidence.rare_matches, 35);
+}
+
+TEST(AliasGuard, AnEdgeInsideAMemberIsRefused) {
+  World world({10, 10});
+  world.join(world.at(0, 1), world.at(0, 8));
+  EXPECT_THROW(world.verdicts(), std::invalid_argument);
+}
+
+// A world of all kinds at once, at random.
+World random_world(std::uint64_t seed) {
+  World world({60, 40, 25});
+  std::mt19937_64 random(seed);
+  const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
+  std::set<std::pair<std::uint32_t, std::uint32_t>> taken;
+  const std::uint32_t sizes[] = {60, 40, 25};
+  for (int drive = 0; drive < 14; ++drive) {
+    const std::uint32_t m = below(3), n = (m + 1 + below(2)) % 3;
+    const std::uint32_t length = 1 + below(10);
+    std::uint32_t u = world.at(m, below(sizes[m] - length)), v = world.at(n, below(sizes[n] - length));
+    if (u > v) std::swap(u, v);
+    for (std::uint32_t i = 0; i < length; ++i) {
+      if (!taken.insert({u + i, v + i}).second) continue;
+      world.join(u + i, v + i, 0, static_cast<std::uint16_t>(5 + below(70)));
+      world.last_edge().verification.log10_false_alarms = -static_cast<double>(below(60)) - 6;
+    }
+  }
+  for (std::uint32_t v = 0; v < 125; ++v) {
+    for (std::uint32_t f = 0; f < 100; ++f) world.set_word(v, f, 1000 * (1 + v % 20) + f);
+  }
+  return world;
+}
+
+TEST(AliasGuard, TheOrderOfTheEdgesDoesNotMatter) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const World world = random_world(seed);
+    const auto expected = world.verdicts();
+    std::vector<std::size_t> order(world.edges().size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::mt19937_64 random(seed);
+    for (int shuffle = 0; shuffle < 5; ++shuffle) {
+      std::ranges::shuffle(order, random);
+      std::vector<MergeEdge> edges;
+      for (const std::size_t i : order) edges.push_back(world.edges()[i]);
+      const auto verdicts = world.verdicts(edges);
+      for (std::size_t k = 0; k < order.size(); ++k) ASSERT_EQ(verdicts[k], expected[order[k]]) << "seed " << seed;
+    }
+  }
+}
+
+TEST(AliasGuard, TheOrderOfTheMembersDoesNotMatter) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    World world({60, 40});
+    std::mt19937_64 random(seed);
+    const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
+    std::set<std::pair<std::uint32_t, std::uint32_t>> taken;
+    for (int k = 0; k < 60; ++k) {
+      const std::uint32_t u = world.at(0, below(60)), v = world.at(1, below(40));
+      if (taken.insert({u, v}).second) world.join(u, v, 0, static_cast<std::uint16_t>(6 + below(60)));
+    }
+    for (int word = 0; word < 300; ++word) world.set_word(below(100), below(100), 1000 * (1 + below(100)) + below(100));
+    EXPECT_EQ(world.exchanged().verdicts(), world.verdicts()) << "seed " << seed;
+  }
+}
+
+TEST(AliasGuard, RandomWorldsHaveEveryVerdict) {
+  std::map<Reason, int> counts;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    for (const Reason reason : random_world(seed).reasons()) ++counts[reason];
+  }
+  EXPECT_GT(counts[Reason::kNone], 0);
+  EXPECT_GT(counts[Reason::kUnsupported], 0);
+  EXPECT_GT(counts[Reason::kAmbiguous], 0);
+}
+
+}  // namespace
+}  // namespace mapweld
