@@ -1,12 +1,13 @@
 #include "core/merge/alias_guard.h"
 
 #include <algorithm>
-#include <numeric>
 #include <stdexcept>
 
+#include "core/merge/cluster_contest.h"
 #include "core/merge/edge_overlap.h"
 #include "core/merge/edge_relations.h"
 #include "core/merge/hop_balls.h"
+#include "core/merge/rare_matches.h"
 #include "core/merge/word_places.h"
 
 namespace mapweld {
@@ -22,21 +23,35 @@ std::vector<std::uint32_t> member_of_vertex(const std::vector<MergeMember>& memb
   return member_of;
 }
 
-// The inner edges along the drive.
-std::vector<Edge> links_of_drive(const std::vector<MergeMember>& members, std::span<const Edge> inner_edges,
-                                 std::uint32_t longest_link) {
-  std::vector<std::uint32_t> position;
+struct InnerLinks {
+  std::vector<Edge> along_drive;
+  std::vector<Edge> with_revisits;  // and those that close a loop beyond doubt
+};
+
+InnerLinks inner_links(const std::vector<MergeMember>& members, std::span<const Edge> inner_edges,
+                       const AppearanceSource& appearances, const AliasGuardOptions& options) {
+  std::vector<std::uint32_t> position, features;
   for (const MergeMember& member : members) {
     for (std::uint32_t i = 0; i < member.vertices.size(); ++i) {
       const std::uint32_t v = to_index(member.vertices[i]);
-      if (v >= position.size()) position.resize(v + 1, 0);
+      if (v >= position.size()) {
+        position.resize(v + 1, 0);
+        features.resize(v + 1, 0);
+      }
       position[v] = i;
+      features[v] = static_cast<std::uint32_t>(appearances.appearances(member.vertices[i])->appearances.size());
     }
   }
-  std::vector<Edge> links;
+  InnerLinks links;
   for (const Edge& e : inner_edges) {
-    const std::uint32_t i = position.at(to_index(e.u)), j = position.at(to_index(e.v));
-    if ((i < j ? j - i : i - j) <= longest_link) links.push_back(e);
+    const std::uint32_t u = to_index(e.u), v = to_index(e.v);
+    const std::uint32_t i = position.at(u), j = position.at(v);
+    if ((i < j ? j - i : i - j) <= options.longest_link) {
+      links.along_drive.push_back(e);
+      links.with_revisits.push_back(e);
+    } else if (e.weight >= options.min_revisit_share * std::min(features[u], features[v])) {
+      links.with_revisits.push_back(e);
+    }
   }
   return links;
 }
@@ -48,67 +63,15 @@ void require_between_members(const MergeEdge& edge, const std::vector<std::uint3
   }
 }
 
-// Marks the inliers whose word occurs far from the edge's end on one side.
-class CommonWords {
- public:
-  CommonWords(std::span<const MergeEdge> edges, const AppearanceSource& appearances, const WordPlaces& places,
-              const std::vector<std::uint32_t>& member_of, HopBalls& balls)
-      : edges_(edges), appearances_(appearances), places_(places), member_of_(member_of), balls_(balls) {}
-
-  // The number of inliers of each edge whose word is rare at both ends.
-  std::vector<int> rare_matches(std::span<const std::uint32_t> which) {
-    is_common_.resize(edges_.size());
-    for (const std::uint32_t e : which) is_common_[e].assign(edges_[e].verification.inlier_matches.size(), false);
-    mark(true, which);
-    mark(false, which);
-    std::vector<int> rare(edges_.size(), 0);
-    for (const std::uint32_t e : which) rare[e] = static_cast<int>(std::ranges::count(is_common_[e], false));
-    return rare;
-  }
-
- private:
-  void mark(bool at_u, std::span<const std::uint32_t> which) {
-    const auto end = [&](std::uint32_t e) { return at_u ? edges_[e].u : edges_[e].v; };
-    std::vector<std::uint32_t> order(which.begin(), which.end());
-    std::ranges::sort(order, {}, end);
-    std::vector<bool> is_near(balls_.vertices(), false);
-    for (std::size_t first = 0; first < order.size();) {
-      const VertexId centre = end(order[first]);
-      const std::uint32_t member = member_of_[to_index(centre)];
-      const auto ball = balls_.around(centre);
-      const auto image = appearances_.appearances(centre);
-      for (const ReachedVertex& r : ball) is_near[r.vertex] = true;
-      for (; first < order.size() && end(order[first]) == centre; ++first) {
-        const std::uint32_t e = order[first];
-        const auto& matches = edges_[e].verification.inlier_matches;
-        for (std::size_t m = 0; m < matches.size(); ++m) {
-          if (is_common_[e][m]) continue;
-          const WordId word = image->appearances.at(at_u ? matches[m].first : matches[m].second).word;
-          is_common_[e][m] = std::ranges::any_of(places_.vertices_with(word), [&](std::uint32_t vertex) {
-            return member_of_[vertex] == member && !is_near[vertex];
-          });
-        }
-      }
-      for (const ReachedVertex& r : ball) is_near[r.vertex] = false;
-    }
-  }
-
-  std::span<const MergeEdge> edges_;
-  const AppearanceSource& appearances_;
-  const WordPlaces& places_;
-  const std::vector<std::uint32_t>& member_of_;
-  HopBalls& balls_;
-  std::vector<std::vector<bool>> is_common_;
-};
-
 bool pair_shows_enough(const MergeEdge& edge, const EdgeEvidence& evidence, const AliasGuardOptions& options) {
   return edge.verification.log10_false_alarms <= options.max_log10_false_alarms &&
          evidence.matched_share >= options.min_matched_share && evidence.shared_view >= options.min_shared_view &&
          evidence.spread >= options.min_spread;
 }
 
-bool outweighs(double times, const EdgeBalance& balance) {
-  return static_cast<double>(balance.contradiction) > times * static_cast<double>(balance.support);
+bool is_peak(const WeighedEdge& edge, const EdgeEvidence& evidence, const AliasGuardOptions& options) {
+  return static_cast<int>(edge.weight) >= options.min_peak_inliers &&
+         evidence.matched_share >= options.min_peak_matched_share && evidence.rare_matches >= options.min_rare_matches;
 }
 
 }  // namespace
@@ -118,12 +81,15 @@ std::vector<GuardVerdict> guard_edges(const std::vector<MergeMember>& members, s
                                       const AliasGuardOptions& options) {
   std::vector<GuardVerdict> verdicts(inter_edges.size());
   if (inter_edges.empty()) return verdicts;
-  HopBalls balls(members, links_of_drive(members, inner_edges, options.longest_link),
-                 static_cast<std::uint8_t>(options.far_hops));
+  const InnerLinks links = inner_links(members, inner_edges, appearances, options);
+  const auto far_hops = static_cast<std::uint8_t>(options.far_hops);
+  HopBalls balls(members, links.along_drive, far_hops);
   const auto member_of = member_of_vertex(members, balls.vertices());
 
   // The pair by itself.
-  std::vector<std::uint32_t> considered;
+  std::vector<std::uint32_t> considered;  // edges that show enough: everything below is about these
+  std::vector<const MergeEdge*> edges;
+  std::vector<WeighedEdge> weighed;
   for (std::uint32_t e = 0; e < inter_edges.size(); ++e) {
     const MergeEdge& edge = inter_edges[e];
     require_between_members(edge, member_of);
@@ -133,46 +99,49 @@ std::vector<GuardVerdict> guard_edges(const std::vector<MergeMember>& members, s
     evidence.matched_share = overlap.matched_share;
     evidence.shared_view = overlap.shared_view;
     evidence.spread = overlap.spread;
-    if (pair_shows_enough(edge, evidence, options)) {
-      considered.push_back(e);
-    } else {
+    if (!pair_shows_enough(edge, evidence, options)) {
       verdicts[e].reason = Reason::kUnsupported;
+      continue;
     }
+    considered.push_back(e);
+    edges.push_back(&edge);
+    weighed.push_back({edge.u, edge.v, static_cast<std::uint32_t>(std::max(1, edge.verification.inliers))});
   }
+  if (considered.empty()) return verdicts;
 
-  // Words.
-  const WordPlaces places(appearances, members);
-  const auto rare = CommonWords(inter_edges, appearances, places, member_of, balls).rare_matches(considered);
-
-  // The others.
-  std::vector<WeighedEdge> weighed;
-  for (const std::uint32_t e : considered) {
-    verdicts[e].evidence.rare_matches = rare[e];
-    const MergeEdge& edge = inter_edges[e];
-    weighed.push_back({edge.u, edge.v, static_cast<std::uint32_t>(edge.verification.inliers)});
-  }
+  // Clusters that show their place somewhere.
   EdgeRelations relations(weighed, member_of, balls, options.near_hops);
-  auto balances = relations.balances();
-  std::vector<std::uint32_t> standing(weighed.size()), dropped;
-  std::iota(standing.begin(), standing.end(), 0u);
-  do {
-    const auto stays = [&](std::uint32_t k) { return !outweighs(options.dropped_beyond, balances[k]); };
-    const auto gone = std::stable_partition(standing.begin(), standing.end(), stays);
-    dropped.assign(gone, standing.end());
-    standing.erase(gone, standing.end());
-    for (const std::uint32_t k : dropped) verdicts[considered[k]].reason = Reason::kUnsupported;
-    relations.withdraw(dropped, balances);
-  } while (!dropped.empty());
-  for (std::uint32_t k = 0; k < weighed.size(); ++k) {
+  const auto cluster_of = relations.clusters(options.link_hops);
+  const auto bonds = relations.bonds(cluster_of);
+  const std::uint32_t clusters = *std::ranges::max_element(cluster_of) + 1;
+  const auto rare = rare_matches(edges, appearances, WordPlaces(appearances, members), member_of, balls);
+  std::vector<bool> has_peak(clusters, false), out(clusters, true);
+  std::vector<std::uint32_t> sizes(clusters, 0);
+  for (std::size_t k = 0; k < considered.size(); ++k) {
     EdgeEvidence& evidence = verdicts[considered[k]].evidence;
-    evidence.support = balances[k].support;
-    evidence.contradiction = balances[k].contradiction;
+    evidence.rare_matches = rare[k];
+    ++sizes[cluster_of[k]];
+    if (is_peak(weighed[k], evidence, options)) has_peak[cluster_of[k]] = true;
   }
-  for (const std::uint32_t k : standing) {
+  for (const ClusterBond& b : bonds) {
+    if (b.support > 0 && has_peak[b.from]) out[b.of] = false;
+  }
+
+  // Clusters against each other.
+  HopBalls lenient_balls(members, links.with_revisits, far_hops);
+  const auto lenient_bonds =
+      links.with_revisits.size() == links.along_drive.size()
+          ? bonds
+          : EdgeRelations(weighed, member_of, lenient_balls, options.near_hops).bonds(cluster_of);
+  const auto standings = contest(weighed, cluster_of, out, bonds, lenient_bonds,
+                                 {options.dropped_beyond, options.ambiguous_beyond, options.duel_significance});
+  for (std::size_t k = 0; k < considered.size(); ++k) {
+    const ClusterStanding& standing = standings[cluster_of[k]];
     GuardVerdict& verdict = verdicts[considered[k]];
-    if (outweighs(options.ambiguous_beyond, balances[k]) && verdict.evidence.rare_matches < options.min_rare_matches) {
-      verdict.reason = Reason::kAmbiguous;
-    }
+    verdict.reason = standing.reason;
+    verdict.evidence.cluster_edges = sizes[cluster_of[k]];
+    verdict.evidence.support = standing.support;
+    verdict.evidence.contradiction = standing.contradiction;
   }
   return verdicts;
 }

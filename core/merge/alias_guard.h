@@ -21,39 +21,54 @@ struct AliasGuardOptions {
   double max_log10_false_alarms = -12;  // stricter than the verifier: there are many pairs in a merge
   double min_matched_share = 0.08;      // of the features in the common view (EdgeOverlap)
   double min_shared_view = 0.25;        // of either image, as far as the matches tell (EdgeOverlap)
-  double min_spread = 0.07;             // of the matches, in diagonals (EdgeOverlap)
+  double min_spread = 0.08;             // of the matches, in diagonals (EdgeOverlap)
 
+  // Hops go along the drive: over inner edges between images that their member took in at most so many apart (far
+  // enough to look into a room and come back). An edge that closes a longer loop is left out: what looks alike is
+  // linked inside a map as well, and where a guard is needed most of such links are wrong.
+  std::uint32_t longest_link = 30;
   // Two edges support each other when their ends are at most so many hops apart in both maps, and contradict each other
   // when they are in one map but more than far_hops apart in the other. far_hops at most 254.
   int near_hops = 2;
   int far_hops = 6;
-  // Hops go along the drive: over inner edges between images that their member took in at most so many apart. An edge
-  // that closes a loop is left out: inside a map too, what looks alike is linked, and where a guard is needed most of
-  // such links are wrong.
-  std::uint32_t longest_link = 12;
+  // Edges whose ends are at most so many hops apart in both maps form a cluster; a cluster stands or falls as one.
+  int link_hops = 1;
 
-  // An edge is dropped when what contradicts it weighs more than so many times what supports it (itself included),
-  // inliers counted; when what is dropped no longer contradicts, the others are weighed again.
+  // A place seen twice shows it somewhere: a cluster is `unsupported` unless one of its edges, or of a cluster that
+  // supports it, has so many inliers, and so great a matched share, and so many of its matches are of words that its
+  // maps have nowhere else (out of reach of far_hops).
+  int min_peak_inliers = 20;
+  double min_peak_matched_share = 0.22;
+  int min_rare_matches = 3;
+
+  // A cluster is dropped when what contradicts it weighs more than so many times what supports it.
   double dropped_beyond = 1.5;
-  // Of those that stay, one that is contradicted by more than this share of its support is ambiguous, unless so many
-  // of its matches are of words that its maps have nowhere else (farther than far_hops from its ends).
+  // Of two clusters that contradict each other at the same vertices, the one that has fewer inliers at so
+  // significantly many of them is dropped (a sign test; standard deviations).
+  double duel_significance = 2.5;
+  // One that is still contradicted by more than this share of its support is ambiguous. But two places of a map count
+  // as one here when an inner edge between them says so with inliers for so great a share of the features of either
+  // image.
   double ambiguous_beyond = 0.5;
-  int min_rare_matches = 4;
+  double min_revisit_share = 0.5;
 };
 
 // What the guard knows about one edge; for explanations and figures.
 struct EdgeEvidence {
+  // Of the pair.
   double matched_share = 0;
   double shared_view = 0;
   double spread = 0;
-  int rare_matches = 0;             // inliers whose word occurs in either map near the edge's ends only
-  std::uint64_t support = 0;        // inliers of the edges that support it, its own included, at the last weighing
-  std::uint64_t contradiction = 0;  // inliers of the edges that contradict it
+  int rare_matches = 0;  // inliers whose word occurs near the edge's ends only; 0 for a pair that shows too little
+  // Of its cluster; 0 for a pair that shows too little. Weights are products of inliers, summed over pairs of edges.
+  std::uint32_t cluster_edges = 0;
+  std::uint64_t support = 0;
+  std::uint64_t contradiction = 0;  // by the clusters that stand
   friend bool operator==(const EdgeEvidence&, const EdgeEvidence&) = default;
 };
 
-// kNone: confirmed. kUnsupported: the pair shows too little, or other edges say that it is elsewhere. kAmbiguous: two
-// places, and nothing decides between them.
+// kNone: confirmed. kUnsupported: the pair or its cluster shows too little, or other edges say that it is elsewhere.
+// kAmbiguous: two places, and nothing decides between them.
 struct GuardVerdict {
   Reason reason = Reason::kNone;
   EdgeEvidence evidence;

@@ -26,13 +26,15 @@ EdgeRelations::EdgeRelations(std::span<const WeighedEdge> edges, std::span<const
 // The edges f that have an end near the u (or v) of e. Their other ends are looked up in the ball around e's other end,
 // which is laid out once for all edges that end there.
 template <typename Use>
-void EdgeRelations::relations_from(bool from_u, std::span<const std::uint32_t> which, const Use& use) {
+void EdgeRelations::relations_from(bool from_u, const Use& use) {
   const auto here = [&](const WeighedEdge& e) { return from_u ? e.u : e.v; };
   const auto there = [&](const WeighedEdge& e) { return from_u ? e.v : e.u; };
-  std::vector<std::uint32_t> order(which.begin(), which.end());
+  std::vector<std::uint32_t> order(edges_.size());
+  std::iota(order.begin(), order.end(), 0u);
   std::ranges::sort(order, {}, [&](std::uint32_t e) { return there(edges_[e]); });
   for (std::size_t first = 0; first < order.size();) {
     const VertexId end = there(edges_[order[first]]);
+    const std::uint32_t member = member_of_[to_index(end)];
     const auto ball = balls_.around(end);
     for (const ReachedVertex& r : ball) hops_[r.vertex] = r.hops;
     for (; first < order.size() && there(edges_[order[first]]) == end; ++first) {
@@ -43,11 +45,12 @@ void EdgeRelations::relations_from(bool from_u, std::span<const std::uint32_t> w
           const std::uint32_t f = edges_at_[k];
           const WeighedEdge& other = edges_[f];
           const std::uint32_t far_end = to_index(other.u) == neighbour.vertex ? to_index(other.v) : to_index(other.u);
-          if (f == e || member_of_[far_end] != member_of_[to_index(end)]) continue;
-          if (hops_[far_end] == kFar) {
-            use(e, f, false);
-          } else if (from_u && hops_[far_end] <= near_hops_) {  // seen from either end; counted once
-            use(e, f, true);
+          if (f == e || member_of_[far_end] != member) continue;
+          const std::uint8_t hops = hops_[far_end];
+          if (hops == kFar) {
+            use(e, f, kFar);
+          } else if (from_u && hops <= near_hops_) {  // seen from either end; told once
+            use(e, f, std::max(hops, neighbour.hops));
           }
         }
       }
@@ -57,26 +60,71 @@ void EdgeRelations::relations_from(bool from_u, std::span<const std::uint32_t> w
 }
 
 template <typename Use>
-void EdgeRelations::for_each_relation(std::span<const std::uint32_t> which, const Use& use) {
-  relations_from(true, which, use);
-  relations_from(false, which, use);
+void EdgeRelations::for_each_relation(const Use& use) {
+  relations_from(true, use);
+  relations_from(false, use);
 }
 
-std::vector<EdgeBalance> EdgeRelations::balances() {
-  std::vector<EdgeBalance> balances(edges_.size());
-  for (std::size_t e = 0; e < edges_.size(); ++e) balances[e].support = edges_[e].weight;
-  std::vector<std::uint32_t> all(edges_.size());
-  std::iota(all.begin(), all.end(), 0u);
-  for_each_relation(all, [&](std::uint32_t e, std::uint32_t f, bool supports) {
-    (supports ? balances[e].support : balances[e].contradiction) += edges_[f].weight;
+std::vector<std::uint32_t> EdgeRelations::clusters(int link_hops) {
+  std::vector<std::uint32_t> parent(edges_.size());
+  std::iota(parent.begin(), parent.end(), 0u);
+  const auto root = [&](std::uint32_t e) {
+    while (parent[e] != e) e = parent[e] = parent[parent[e]];
+    return e;
+  };
+  relations_from(true, [&](std::uint32_t e, std::uint32_t f, std::uint8_t hops) {
+    if (hops > link_hops) return;
+    const std::uint32_t a = root(e), b = root(f);
+    parent[std::max(a, b)] = std::min(a, b);
   });
-  return balances;
+  std::vector<std::uint32_t> cluster(edges_.size());
+  std::uint32_t count = 0;
+  for (std::uint32_t e = 0; e < edges_.size(); ++e) cluster[e] = root(e) == e ? count++ : cluster[root(e)];
+  return cluster;
 }
 
-void EdgeRelations::withdraw(std::span<const std::uint32_t> dropped, std::vector<EdgeBalance>& balances) {
-  for_each_relation(dropped, [&](std::uint32_t e, std::uint32_t f, bool supports) {
-    (supports ? balances[f].support : balances[f].contradiction) -= edges_[e].weight;
+std::vector<ClusterBond> EdgeRelations::bonds(std::span<const std::uint32_t> cluster_of) {
+  const std::uint32_t clusters = edges_.empty() ? 0 : *std::ranges::max_element(cluster_of) + 1;
+  std::vector<ClusterBond> bonds;
+  for (std::uint32_t e = 0; e < edges_.size(); ++e) {
+    const std::uint64_t weight = edges_[e].weight;
+    bonds.push_back({cluster_of[e], cluster_of[e], weight * weight, 0});
+  }
+  // What one edge hears, by cluster; put down when the next edge's turn comes.
+  std::vector<std::uint64_t> support(clusters, 0), contradiction(clusters, 0);
+  std::vector<std::uint32_t> heard;
+  std::uint32_t listener = 0;
+  const auto put_down = [&] {
+    const std::uint64_t weight = edges_[listener].weight;
+    for (const std::uint32_t c : heard) {
+      bonds.push_back({cluster_of[listener], c, weight * support[c], weight * contradiction[c]});
+      support[c] = contradiction[c] = 0;
+    }
+    heard.clear();
+  };
+  for_each_relation([&](std::uint32_t e, std::uint32_t f, std::uint8_t hops) {
+    if (e != listener) {
+      put_down();
+      listener = e;
+    }
+    const std::uint32_t c = cluster_of[f];
+    if (support[c] == 0 && contradiction[c] == 0) heard.push_back(c);
+    (hops == kFar ? contradiction : support)[c] += edges_[f].weight;
   });
+  if (!edges_.empty()) put_down();
+
+  std::ranges::sort(bonds, {}, [](const ClusterBond& b) { return std::pair(b.of, b.from); });
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < bonds.size(); ++i) {
+    if (kept > 0 && bonds[kept - 1].of == bonds[i].of && bonds[kept - 1].from == bonds[i].from) {
+      bonds[kept - 1].support += bonds[i].support;
+      bonds[kept - 1].contradiction += bonds[i].contradiction;
+    } else {
+      bonds[kept++] = bonds[i];
+    }
+  }
+  bonds.resize(kept);
+  return bonds;
 }
 
 }  // namespace mapweld

@@ -1,4 +1,4 @@
-// Which inter-map edges speak for each other and which against.
+// Which inter-map edges speak for each other and which against, and the clusters that they form.
 #pragma once
 
 #include <cstdint>
@@ -17,31 +17,39 @@ struct WeighedEdge {
   std::uint32_t weight = 0;
 };
 
-struct EdgeBalance {
-  std::uint64_t support = 0;        // of the edges that support it, its own weight included
-  std::uint64_t contradiction = 0;  // of the edges that contradict it
+// What cluster `of` hears from cluster `from` (itself included): the sum, over the pairs of an edge of one and an edge
+// of the other that stand in the relation, of the product of their weights. Symmetric in the two.
+struct ClusterBond {
+  std::uint32_t of = 0;
+  std::uint32_t from = 0;
+  std::uint64_t support = 0;
+  std::uint64_t contradiction = 0;
 };
 
 // Two edges between the same two members support each other when their ends are at most `near_hops` apart in both
-// maps; they contradict each other when that is so in one map while in the other they are more than `far_hops` apart.
-// Both relations are symmetric. Sums of whole numbers: the order of the edges does not matter.
+// maps; they contradict each other when that is so in one map while in the other the ends are out of reach of the
+// balls. Both relations are symmetric. Sums of whole numbers: the order of the edges does not matter.
 class EdgeRelations {
  public:
-  // `member_of`: by merged vertex. The balls reach far_hops. All three must outlive this object.
+  // `member_of`: by merged vertex. All must outlive this object; the balls may be shared.
   EdgeRelations(std::span<const WeighedEdge> edges, std::span<const std::uint32_t> member_of, HopBalls& balls,
                 int near_hops);
 
-  // Of every edge, all edges counted.
-  std::vector<EdgeBalance> balances();
-  // Takes the words of the edges `dropped` out of `balances`.
-  void withdraw(std::span<const std::uint32_t> dropped, std::vector<EdgeBalance>& balances);
+  // The cluster of each edge: edges that are at most `link_hops` <= near_hops apart in both maps are of one, and
+  // through others. Numbered from 0 in the order of `edges`.
+  std::vector<std::uint32_t> clusters(int link_hops);
+
+  // All bonds, by (of, from). An edge supports itself.
+  std::vector<ClusterBond> bonds(std::span<const std::uint32_t> cluster_of);
 
  private:
-  // Calls use(e, f, supports) for each of `which` and each other edge f that supports or contradicts it.
+  // Calls use(e, f, hops) for each edge e and each other edge f that is near it in one map, all calls for one e
+  // together within a pass: with the greater of the distances between their ends when they support each other (in the
+  // first of two passes), with kFar when they contradict each other.
   template <typename Use>
-  void for_each_relation(std::span<const std::uint32_t> which, const Use& use);
+  void for_each_relation(const Use& use);
   template <typename Use>
-  void relations_from(bool from_u, std::span<const std::uint32_t> which, const Use& use);
+  void relations_from(bool from_u, const Use& use);
 
   std::span<const WeighedEdge> edges_;
   std::span<const std::uint32_t> member_of_;

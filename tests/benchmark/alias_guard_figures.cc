@@ -136,10 +136,10 @@ Figures measure(const MadeMerge& merge, bool list, const std::string& title) {
     if (list && !right) {
       const EdgeEvidence& x = verdicts[e].evidence;
       std::printf(
-          "  wrong: %s %u %zu shares %.3f: %d inliers, 10^%.1f, matched %.2f, view %.2f, spread %.2f, rare %d, "
+          "  wrong: %s %u %zu shares %.3f: %d inliers, 10^%.1f, matched %.2f, view %.2f, spread %.2f, rare %d, cluster of %u, "
           "%llu for, %llu against\n",
           title.c_str(), to_index(edge.u), to_index(edge.v) - shift, merge.shared[e], edge.verification.inliers,
-          edge.verification.log10_false_alarms, x.matched_share, x.shared_view, x.spread, x.rare_matches,
+          edge.verification.log10_false_alarms, x.matched_share, x.shared_view, x.spread, x.rare_matches, x.cluster_edges,
           static_cast<unsigned long long>(x.support), static_cast<unsigned long long>(x.contradiction));
     }
   }
@@ -222,11 +222,11 @@ void photographs(int threads, bool list) {
       if (list) {
         const EdgeEvidence& x = verdicts[e].evidence;
         std::printf(
-            "  %s %u %zu: %d inliers, 10^%.1f, matched %.2f, view %.2f, spread %.2f, rare %d, %llu for, "
+            "  %s %u %zu: %d inliers, 10^%.1f, matched %.2f, view %.2f, spread %.2f, rare %d, cluster of %u, %llu for, "
             "%llu against: %s\n",
             b.c_str(), to_index(merge.inter_edges[e].u), before.back() - merge.a.vertices.size(),
             merge.inter_edges[e].verification.inliers, merge.inter_edges[e].verification.log10_false_alarms,
-            x.matched_share, x.shared_view, x.spread, x.rare_matches, static_cast<unsigned long long>(x.support),
+            x.matched_share, x.shared_view, x.spread, x.rare_matches, x.cluster_edges, static_cast<unsigned long long>(x.support),
             static_cast<unsigned long long>(x.contradiction),
             verdicts[e].confirmed() ? "confirmed" : std::string(to_string(reason)).c_str());
       }
@@ -265,6 +265,11 @@ int run(int argc, char** argv) {
   app.add_option("--max-log10-false-alarms", tuned.max_log10_false_alarms, "an option of the guard");
   app.add_option("--near-hops", tuned.near_hops, "an option of the guard");
   app.add_option("--far-hops", tuned.far_hops, "an option of the guard");
+  app.add_option("--link-hops", tuned.link_hops, "an option of the guard");
+  app.add_option("--min-peak-inliers", tuned.min_peak_inliers, "an option of the guard");
+  app.add_option("--min-peak-matched-share", tuned.min_peak_matched_share, "an option of the guard");
+  app.add_option("--duel-significance", tuned.duel_significance, "an option of the guard");
+  app.add_option("--min-revisit-share", tuned.min_revisit_share, "an option of the guard");
   app.add_option("--longest-link", tuned.longest_link, "an option of the guard");
   CLI11_PARSE(app, argc, argv);
   cv::setNumThreads(1);

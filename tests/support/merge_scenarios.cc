@@ -115,6 +115,12 @@ Cast make_cast(std::string_view name, std::uint64_t seed) {
     cast.world.emplace(two_corridors(seed));
     cast.a = trajectory(*cast.world, whole_lap(*cast.world, hash_of(seed, 81)));
     cast.b = trajectory(*cast.world, whole_lap(*cast.world, hash_of(seed, 82), 0, true));
+  } else if (name == "laps") {
+    cast.world.emplace(two_corridors(seed));
+    TrajectoryOptions twice = whole_lap(*cast.world, hash_of(seed, 81));
+    twice.n_images *= 2;
+    cast.a = trajectory(*cast.world, whole_lap(*cast.world, hash_of(seed, 82)));
+    cast.b = trajectory(*cast.world, twice);
   } else if (name == "crossing") {
     // a drives along the southern corridor; b comes out of its end and drives along the northern one.
     cast.world.emplace(two_corridors(seed));
@@ -156,6 +162,7 @@ const std::vector<MergeScenario>& merge_scenarios() {
       {"posters", "eight posters hang in two places each, drives overlap"},
       {"posters-apart", "the same, each robot drives through another corridor"},
       {"reversed", "the second robot drives the other way round"},
+      {"laps", "the second robot drives its lap twice"},
       {"crossing", "drives that share the end of a corridor"},
       {"strangers", "two buildings furnished from one small catalogue"},
   };

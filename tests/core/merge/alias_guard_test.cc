@@ -31,7 +31,9 @@ class World {
 
   // Merged number of a member's vertex.
   std::uint32_t at(std::size_t member, std::uint32_t own) const { return to_index(members_[member].vertices[own]); }
-  void link(std::uint32_t u, std::uint32_t v) { inner_.push_back({VertexId{u}, VertexId{v}, 60}); }
+  void link(std::uint32_t u, std::uint32_t v, std::uint32_t inliers = 60) {
+    inner_.push_back({VertexId{u}, VertexId{v}, inliers});
+  }
 
   // Features first..last-1 of u and v match and lie at the same place in both images.
   void join(std::uint32_t u, std::uint32_t v, std::uint16_t first = 0, std::uint16_t last = 60) {
@@ -46,9 +48,9 @@ class World {
     for (std::uint16_t i = first; i < last; ++i) edge.verification.inlier_matches.emplace_back(i, i);
     edges_.push_back(edge);
   }
-  // Images first.. of one map along first.. of another.
+  // Images u.. of one map along v.. of another; the last features of each match.
   void join_drives(std::uint32_t u, std::uint32_t v, std::uint32_t images, std::uint16_t matches) {
-    for (std::uint32_t i = 0; i < images; ++i) join(u + i, v + i, 0, matches);
+    for (std::uint32_t i = 0; i < images; ++i) join(u + i, v + i, static_cast<std::uint16_t>(100 - matches), 100);
   }
   void set_word(std::uint32_t v, std::size_t feature, std::uint32_t word) {
     images_[v].appearances[feature].word = WordId{word};
@@ -178,38 +180,91 @@ TEST(AliasGuard, SignificanceThatChanceReachesInAMergeIsUnsupported) {
   EXPECT_THAT(world.reasons(), ElementsAre(Reason::kUnsupported));
 }
 
-// b drives along 10..21 of a; and what looks alike there, at 60..71, agrees a good deal less.
-World look_alike_places(std::uint16_t right, std::uint16_t alike) {
-  World world({80, 30});
-  world.join_drives(world.at(0, 10), world.at(1, 5), 12, right);
-  world.join_drives(world.at(0, 60), world.at(1, 5), 12, alike);
-  // The words of the second place are those of the first: nothing is rare.
+// b drives along 10..21 of a; places 60..71 of a look like them. `right` and `alike`: matches at every other image; at
+// those between them they are exchanged when `mixed`.
+World look_alike_places(std::uint16_t right, std::uint16_t alike, bool mixed = false) {
+  World world({100, 30});
   for (std::uint32_t i = 0; i < 12; ++i) {
-    for (std::size_t f = 0; f < 100; ++f) {
-      world.set_word(world.at(0, 60 + i), f, static_cast<std::uint32_t>(1000 * (world.at(0, 10 + i) + 1) + f));
-    }
+    const bool exchanged = mixed && i % 2 == 1;
+    world.join_drives(world.at(0, 10 + i), world.at(1, 5 + i), 1, exchanged ? alike : right);
+    world.join_drives(world.at(0, 60 + i), world.at(1, 5 + i), 1, exchanged ? right : alike);
   }
   return world;
+}
+std::vector<Reason> at_right_place(const World& world) {
+  std::vector<Reason> reasons;
+  for (std::size_t i = 0; i < world.edges().size(); i += 2) reasons.push_back(world.reasons()[i]);
+  return reasons;
+}
+std::vector<Reason> at_alike_place(const World& world) {
+  std::vector<Reason> reasons;
+  for (std::size_t i = 1; i < world.edges().size(); i += 2) reasons.push_back(world.reasons()[i]);
+  return reasons;
 }
 
 TEST(AliasGuard, OfTwoPlacesTheBetterSupportedOneIsConfirmed) {
   const World world = look_alike_places(80, 30);
-  const auto reasons = world.reasons();
-  EXPECT_THAT(std::vector(reasons.begin(), reasons.begin() + 12), Each(Reason::kNone));
-  EXPECT_THAT(std::vector(reasons.begin() + 12, reasons.end()), Each(Reason::kUnsupported));
+  EXPECT_THAT(at_right_place(world), Each(Reason::kNone));
+  EXPECT_THAT(at_alike_place(world), Each(Reason::kUnsupported));
+}
+
+TEST(AliasGuard, OfTwoPlacesTheOneThatIsBetterAlmostEverywhereIsConfirmed) {
+  // Hardly better, but at each of twelve images: a coin would do that once in four thousand times.
+  const World world = look_alike_places(62, 60);
+  EXPECT_THAT(at_right_place(world), Each(Reason::kNone));
+  EXPECT_THAT(at_alike_place(world), Each(Reason::kUnsupported));
 }
 
 TEST(AliasGuard, TwoPlacesAlikeAreBothAmbiguous) {
-  EXPECT_THAT(look_alike_places(60, 55).reasons(), Each(Reason::kAmbiguous));
+  EXPECT_THAT(look_alike_places(62, 60, true).reasons(), Each(Reason::kAmbiguous));
 }
 
-TEST(AliasGuard, ALoopClosedInsideAMapDoesNotMakeTwoPlacesOne) {
-  // In look-alike corridors the map itself has wrong links from one to the other.
-  World world = look_alike_places(80, 30);
-  for (std::uint32_t i = 0; i < 12; ++i) world.link(world.at(0, 10 + i), world.at(0, 60 + i));
+TEST(AliasGuard, PlacesThatTheMapItselfTakesForOneBeyondDoubtAreOne) {
+  World world = look_alike_places(62, 60, true);
+  for (std::uint32_t i = 0; i < 12; ++i) world.link(world.at(0, 10 + i), world.at(0, 60 + i), 60);
+  EXPECT_THAT(world.reasons(), Each(Reason::kNone));
+}
+
+TEST(AliasGuard, AWeakLinkInsideAMapDoesNotMakeTwoPlacesOne) {
+  // In look-alike corridors the map itself has links from one to the other.
+  World world = look_alike_places(62, 60, true);
+  for (std::uint32_t i = 0; i < 12; ++i) world.link(world.at(0, 10 + i), world.at(0, 60 + i), 30);
+  EXPECT_THAT(world.reasons(), Each(Reason::kAmbiguous));
+}
+
+TEST(AliasGuard, TheUncontestedPartOfALookAlikePlaceFallsWithTheRest) {
+  // The right place is seen from the fourth image on only: a door was shut when a came by.
+  World world({100, 30});
+  world.join_drives(world.at(0, 13), world.at(1, 8), 9, 90);
+  world.join_drives(world.at(0, 60), world.at(1, 5), 12, 40);
   const auto reasons = world.reasons();
-  EXPECT_THAT(std::vector(reasons.begin(), reasons.begin() + 12), Each(Reason::kNone));
-  EXPECT_THAT(std::vector(reasons.begin() + 12, reasons.end()), Each(Reason::kUnsupported));
+  EXPECT_THAT(std::vector(reasons.begin(), reasons.begin() + 9), Each(Reason::kNone));
+  EXPECT_THAT(std::vector(reasons.begin() + 9, reasons.end()), Each(Reason::kUnsupported));
+}
+
+TEST(AliasGuard, AShortWayIntoARoomAndBackIsNoContradiction) {
+  // b looks into a room between images 10 and 25, and the two are linked; a drives straight on.
+  World world({40, 40});
+  world.link(world.at(1, 10), world.at(1, 25), 40);
+  world.join(world.at(0, 10), world.at(1, 10));
+  world.join(world.at(0, 11), world.at(1, 25));
+  EXPECT_THAT(world.reasons(), Each(Reason::kNone));
+}
+
+TEST(AliasGuard, ManyEdgesNoneOfWhichShowsThePlaceAreUnsupported) {
+  World world({30, 30});
+  world.join_drives(world.at(0, 10), world.at(1, 5), 12, 18);
+  EXPECT_THAT(world.reasons(), Each(Reason::kUnsupported));
+  world.join_drives(world.at(0, 15), world.at(1, 11), 1, 50);  // one that does, beside them
+  EXPECT_THAT(world.reasons(), Each(Reason::kNone));
+}
+
+TEST(AliasGuard, WordsThatAreEverywhereShowNothing) {
+  World world({40, 40});
+  world.join(world.at(0, 5), world.at(1, 5), 0, 60);
+  const std::uint32_t first = 1000 * (world.at(0, 5) + 1);
+  for (std::uint32_t f = 0; f < 60; ++f) world.set_word(world.at(0, 35), f, first + f);
+  EXPECT_THAT(world.reasons(), ElementsAre(Reason::kUnsupported));
 }
 
 TEST(AliasGuard, MembersAreJudgedPairByPair) {
@@ -250,12 +305,12 @@ World random_world(std::uint64_t seed) {
     if (u > v) std::swap(u, v);
     for (std::uint32_t i = 0; i < length; ++i) {
       if (!taken.insert({u + i, v + i}).second) continue;
-      world.join(u + i, v + i, 0, static_cast<std::uint16_t>(5 + below(70)));
+      world.join(u + i, v + i, static_cast<std::uint16_t>(95 - below(70)), 100);
       world.last_edge().verification.log10_false_alarms = -static_cast<double>(below(60)) - 6;
     }
   }
   for (std::uint32_t v = 0; v < 125; ++v) {
-    for (std::uint32_t f = 0; f < 100; ++f) world.set_word(v, f, 1000 * (1 + v % 20) + f);
+    for (std::uint32_t f = 0; f < 90; ++f) world.set_word(v, f, 1000 * (1 + v % 20) + f);
   }
   return world;
 }
