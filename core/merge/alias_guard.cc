@@ -1,9 +1,12 @@
 #include "core/merge/alias_guard.h"
 
 #include <algorithm>
+#include <map>
 #include <stdexcept>
+#include <utility>
 
 #include "core/merge/cluster_contest.h"
+#include "core/merge/drive_links.h"
 #include "core/merge/edge_overlap.h"
 #include "core/merge/edge_relations.h"
 #include "core/merge/hop_balls.h"
@@ -23,39 +26,6 @@ std::vector<std::uint32_t> member_of_vertex(const std::vector<MergeMember>& memb
   return member_of;
 }
 
-struct InnerLinks {
-  std::vector<Edge> along_drive;
-  std::vector<Edge> with_revisits;  // and those that close a loop beyond doubt
-};
-
-InnerLinks inner_links(const std::vector<MergeMember>& members, std::span<const Edge> inner_edges,
-                       const AppearanceSource& appearances, const AliasGuardOptions& options) {
-  std::vector<std::uint32_t> position, features;
-  for (const MergeMember& member : members) {
-    for (std::uint32_t i = 0; i < member.vertices.size(); ++i) {
-      const std::uint32_t v = to_index(member.vertices[i]);
-      if (v >= position.size()) {
-        position.resize(v + 1, 0);
-        features.resize(v + 1, 0);
-      }
-      position[v] = i;
-      features[v] = static_cast<std::uint32_t>(appearances.appearances(member.vertices[i])->appearances.size());
-    }
-  }
-  InnerLinks links;
-  for (const Edge& e : inner_edges) {
-    const std::uint32_t u = to_index(e.u), v = to_index(e.v);
-    const std::uint32_t i = position.at(u), j = position.at(v);
-    if ((i < j ? j - i : i - j) <= options.longest_link) {
-      links.along_drive.push_back(e);
-      links.with_revisits.push_back(e);
-    } else if (e.weight >= options.min_revisit_share * std::min(features[u], features[v])) {
-      links.with_revisits.push_back(e);
-    }
-  }
-  return links;
-}
-
 void require_between_members(const MergeEdge& edge, const std::vector<std::uint32_t>& member_of) {
   const auto member = [&](VertexId v) { return to_index(v) < member_of.size() ? member_of[to_index(v)] : kNoMember; };
   if (member(edge.u) == kNoMember || member(edge.v) == kNoMember || member(edge.u) == member(edge.v)) {
@@ -63,15 +33,65 @@ void require_between_members(const MergeEdge& edge, const std::vector<std::uint3
   }
 }
 
-bool pair_shows_enough(const MergeEdge& edge, const EdgeEvidence& evidence, const AliasGuardOptions& options) {
+bool pair_shows_enough(const MergeEdge& edge, const EdgeEvidence& evidence, double min_matched_share,
+                       const AliasGuardOptions& options) {
   return edge.verification.log10_false_alarms <= options.max_log10_false_alarms &&
-         evidence.matched_share >= options.min_matched_share && evidence.shared_view >= options.min_shared_view &&
+         evidence.matched_share >= min_matched_share && evidence.shared_view >= options.min_shared_view &&
          evidence.spread >= options.min_spread;
 }
 
-bool is_peak(const WeighedEdge& edge, const EdgeEvidence& evidence, const AliasGuardOptions& options) {
+using MemberPairs = std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<double>>;
+std::pair<std::uint32_t, std::uint32_t> pair_of(const MergeEdge& edge, const std::vector<std::uint32_t>& member_of) {
+  return std::minmax(member_of[to_index(edge.u)], member_of[to_index(edge.v)]);
+}
+
+// What matched share an edge between two members needs.
+std::map<std::pair<std::uint32_t, std::uint32_t>, double> needed_matched_share(
+    std::span<const MergeEdge> edges, const std::vector<GuardVerdict>& verdicts,
+    const std::vector<std::uint32_t>& member_of, const AliasGuardOptions& options) {
+  MemberPairs shares;
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    auto& of_pair = shares[pair_of(edges[e], member_of)];
+    if (edges[e].verification.inliers >= options.min_peak_inliers)
+      of_pair.push_back(verdicts[e].evidence.matched_share);
+  }
+  std::map<std::pair<std::uint32_t, std::uint32_t>, double> needed;
+  for (auto& [pair, of_pair] : shares) {
+    needed[pair] = options.min_matched_share;
+    if (of_pair.empty()) continue;
+    const auto best = of_pair.begin() + static_cast<std::ptrdiff_t>(of_pair.size() * 9 / 10);
+    std::ranges::nth_element(of_pair, best);
+    needed[pair] = std::min(needed[pair], options.matched_share_of_best * *best);
+  }
+  return needed;
+}
+
+bool is_peak(const WeighedEdge& edge, const EdgeEvidence& evidence, std::uint32_t extent,
+             const AliasGuardOptions& options) {
   return static_cast<int>(edge.weight) >= options.min_peak_inliers &&
-         evidence.matched_share >= options.min_peak_matched_share && evidence.rare_matches >= options.min_rare_matches;
+         evidence.rare_matches >= options.min_rare_matches &&
+         (evidence.matched_share >= options.min_peak_matched_share ||
+          evidence.rare_matches >= options.min_peak_rare_matches || extent >= options.min_extent);
+}
+
+// How many vertices of either map each cluster joins; the smaller number.
+std::vector<std::uint32_t> extents(std::span<const WeighedEdge> edges, std::span<const std::uint32_t> cluster_of,
+                                   std::uint32_t clusters, const std::vector<std::uint32_t>& member_of) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> low, high;  // cluster, vertex of the member of lower number
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    std::uint32_t u = to_index(edges[e].u), v = to_index(edges[e].v);
+    if (member_of[u] > member_of[v]) std::swap(u, v);
+    low.emplace_back(cluster_of[e], u);
+    high.emplace_back(cluster_of[e], v);
+  }
+  std::vector<std::uint32_t> extent(clusters, 0), other(clusters, 0);
+  for (auto* list : {&low, &high}) {
+    std::ranges::sort(*list);
+    list->erase(std::ranges::unique(*list).begin(), list->end());
+    for (const auto& [cluster, vertex] : *list) ++(list == &low ? extent : other)[cluster];
+  }
+  for (std::uint32_t c = 0; c < clusters; ++c) extent[c] = std::min(extent[c], other[c]);
+  return extent;
 }
 
 }  // namespace
@@ -81,9 +101,10 @@ std::vector<GuardVerdict> guard_edges(const std::vector<MergeMember>& members, s
                                       const AliasGuardOptions& options) {
   std::vector<GuardVerdict> verdicts(inter_edges.size());
   if (inter_edges.empty()) return verdicts;
-  const InnerLinks links = inner_links(members, inner_edges, appearances, options);
-  const auto far_hops = static_cast<std::uint8_t>(options.far_hops);
-  HopBalls balls(members, links.along_drive, far_hops);
+  const auto links = drive_links(
+      members, inner_edges, appearances,
+      {options.longest_link, options.revisit_fullness, options.revisit_completeness, options.min_revisit_images});
+  HopBalls balls(members, links, static_cast<std::uint8_t>(options.far_hops));
   const auto member_of = member_of_vertex(members, balls.vertices());
 
   // The pair by itself.
@@ -99,7 +120,11 @@ std::vector<GuardVerdict> guard_edges(const std::vector<MergeMember>& members, s
     evidence.matched_share = overlap.matched_share;
     evidence.shared_view = overlap.shared_view;
     evidence.spread = overlap.spread;
-    if (!pair_shows_enough(edge, evidence, options)) {
+  }
+  const auto needed = needed_matched_share(inter_edges, verdicts, member_of, options);
+  for (std::uint32_t e = 0; e < inter_edges.size(); ++e) {
+    const MergeEdge& edge = inter_edges[e];
+    if (!pair_shows_enough(edge, verdicts[e].evidence, needed.at(pair_of(edge, member_of)), options)) {
       verdicts[e].reason = Reason::kUnsupported;
       continue;
     }
@@ -117,23 +142,19 @@ std::vector<GuardVerdict> guard_edges(const std::vector<MergeMember>& members, s
   const auto rare = rare_matches(edges, appearances, WordPlaces(appearances, members), member_of, balls);
   std::vector<bool> has_peak(clusters, false), out(clusters, true);
   std::vector<std::uint32_t> sizes(clusters, 0);
+  const auto extent = extents(weighed, cluster_of, clusters, member_of);
   for (std::size_t k = 0; k < considered.size(); ++k) {
     EdgeEvidence& evidence = verdicts[considered[k]].evidence;
     evidence.rare_matches = rare[k];
     ++sizes[cluster_of[k]];
-    if (is_peak(weighed[k], evidence, options)) has_peak[cluster_of[k]] = true;
+    if (is_peak(weighed[k], evidence, extent[cluster_of[k]], options)) has_peak[cluster_of[k]] = true;
   }
   for (const ClusterBond& b : bonds) {
     if (b.support > 0 && has_peak[b.from]) out[b.of] = false;
   }
 
   // Clusters against each other.
-  HopBalls lenient_balls(members, links.with_revisits, far_hops);
-  const auto lenient_bonds =
-      links.with_revisits.size() == links.along_drive.size()
-          ? bonds
-          : EdgeRelations(weighed, member_of, lenient_balls, options.near_hops).bonds(cluster_of);
-  const auto standings = contest(weighed, cluster_of, out, bonds, lenient_bonds,
+  const auto standings = contest(weighed, cluster_of, out, bonds,
                                  {options.dropped_beyond, options.ambiguous_beyond, options.duel_significance});
   for (std::size_t k = 0; k < considered.size(); ++k) {
     const ClusterStanding& standing = standings[cluster_of[k]];

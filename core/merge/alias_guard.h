@@ -19,14 +19,20 @@ namespace mapweld {
 struct AliasGuardOptions {
   // What the pair itself has to show. An edge that shows less is `unsupported`, and says nothing about others.
   double max_log10_false_alarms = -12;  // stricter than the verifier: there are many pairs in a merge
-  double min_matched_share = 0.08;      // of the features in the common view (EdgeOverlap)
-  double min_shared_view = 0.25;        // of either image, as far as the matches tell (EdgeOverlap)
-  double min_spread = 0.08;             // of the matches, in diagonals (EdgeOverlap)
+  // Of the features in the common view (EdgeOverlap). Where light, cameras and years lie between two maps, fewer
+  // features match anywhere: the bound is never more than matched_share_of_best times what the best edges of the two
+  // maps have (those with min_peak_inliers: nine in ten have less).
+  double min_matched_share = 0.08;
+  double matched_share_of_best = 0.35;
+  double min_shared_view = 0.25;  // of either image, as far as the matches tell (EdgeOverlap)
+  double min_spread = 0.08;       // of the matches, in diagonals (EdgeOverlap)
 
   // Hops go along the drive: over inner edges between images that their member took in at most so many apart (far
-  // enough to look into a room and come back). An edge that closes a longer loop is left out: what looks alike is
-  // linked inside a map as well, and where a guard is needed most of such links are wrong.
+  // enough to look into a room and come back), and over revisits: see drive_links.
   std::uint32_t longest_link = 30;
+  double revisit_fullness = 0.9;
+  double revisit_completeness = 0.9;
+  std::uint32_t min_revisit_images = 100;
   // Two edges support each other when their ends are at most so many hops apart in both maps, and contradict each other
   // when they are in one map but more than far_hops apart in the other. far_hops at most 254.
   int near_hops = 2;
@@ -34,23 +40,25 @@ struct AliasGuardOptions {
   // Edges whose ends are at most so many hops apart in both maps form a cluster; a cluster stands or falls as one.
   int link_hops = 1;
 
-  // A place seen twice shows it somewhere: a cluster is `unsupported` unless one of its edges, or of a cluster that
-  // supports it, has so many inliers, and so great a matched share, and so many of its matches are of words that its
-  // maps have nowhere else (out of reach of far_hops).
+  // A place seen twice shows it somewhere, or all along: a cluster is `unsupported` unless one of its edges, or of a
+  // cluster that supports it, has min_peak_inliers and min_rare_matches (of words that its maps have nowhere else, out
+  // of reach of far_hops) and
+  // - so great a matched share,
+  // - or so many matches of such words,
+  // - or a cluster that joins so many vertices of either map.
   int min_peak_inliers = 20;
-  double min_peak_matched_share = 0.22;
   int min_rare_matches = 3;
+  double min_peak_matched_share = 0.22;
+  int min_peak_rare_matches = 40;
+  std::uint32_t min_extent = 20;
 
   // A cluster is dropped when what contradicts it weighs more than so many times what supports it.
   double dropped_beyond = 1.5;
   // Of two clusters that contradict each other at the same vertices, the one that has fewer inliers at so
   // significantly many of them is dropped (a sign test; standard deviations).
   double duel_significance = 2.5;
-  // One that is still contradicted by more than this share of its support is ambiguous. But two places of a map count
-  // as one here when an inner edge between them says so with inliers for so great a share of the features of either
-  // image.
+  // One that is still contradicted by more than this share of its support is ambiguous.
   double ambiguous_beyond = 0.5;
-  double min_revisit_share = 0.5;
 };
 
 // What the guard knows about one edge; for explanations and figures.

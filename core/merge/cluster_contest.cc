@@ -20,9 +20,9 @@ class Contest {
   bool stands(std::uint32_t c) const { return standings_[c].reason == Reason::kNone; }
 
   // What those that stand say.
-  void weigh(std::span<const ClusterBond> bonds) {
+  void weigh() {
     for (ClusterStanding& s : standings_) s.support = s.contradiction = 0;
-    for (const ClusterBond& b : bonds) {
+    for (const ClusterBond& b : bonds_) {
       if (b.of != b.from && !stands(b.from)) continue;
       standings_[b.of].support += b.support;
       standings_[b.of].contradiction += b.contradiction;
@@ -32,7 +32,7 @@ class Contest {
   void drop_outweighed(double times) {
     std::vector<std::uint32_t> dropped;
     do {
-      weigh(bonds_);
+      weigh();
       dropped.clear();
       for (std::uint32_t c = 0; c < standings_.size(); ++c) {
         if (stands(c) && outweighed(c, times)) dropped.push_back(c);
@@ -71,15 +71,10 @@ class Contest {
     }
   }
 
-  std::vector<ClusterStanding> finish(std::span<const ClusterBond> lenient_bonds, double times) {
-    weigh(lenient_bonds);
-    std::vector<std::uint32_t> ambiguous;
+  std::vector<ClusterStanding> finish(double times) {
+    weigh();
     for (std::uint32_t c = 0; c < standings_.size(); ++c) {
-      if (stands(c) && outweighed(c, times)) ambiguous.push_back(c);
-    }
-    weigh(bonds_);
-    for (const std::uint32_t c : ambiguous) {
-      if (outweighed(c, times)) standings_[c].reason = Reason::kAmbiguous;
+      if (stands(c) && outweighed(c, times)) standings_[c].reason = Reason::kAmbiguous;
     }
     return std::move(standings_);
   }
@@ -97,11 +92,11 @@ class Contest {
 
 std::vector<ClusterStanding> contest(std::span<const WeighedEdge> edges, std::span<const std::uint32_t> cluster_of,
                                      const std::vector<bool>& out, std::span<const ClusterBond> bonds,
-                                     std::span<const ClusterBond> lenient_bonds, const ContestOptions& options) {
+                                     const ContestOptions& options) {
   Contest contest(bonds, out);
   contest.drop_outweighed(options.dropped_beyond);
   contest.drop_beaten(edges, cluster_of, options.duel_significance);
-  return contest.finish(lenient_bonds, options.ambiguous_beyond);
+  return contest.finish(options.ambiguous_beyond);
 }
 
 }  // namespace mapweld

@@ -23,8 +23,7 @@ struct ClusterStanding {
   std::uint64_t contradiction = 0;
 };
 
-// `out`: clusters that do not take part, by number. `bonds` of EdgeRelations, by (of, from); `lenient_bonds` the same
-// where more vertices are taken to be near each other: a cluster is ambiguous only when these contradict it too.
+// `out`: clusters that do not take part, by number. `bonds` of EdgeRelations, by (of, from).
 //
 // 1. Clusters that are contradicted by more than dropped_beyond times their support are dropped, all at once; again,
 //    without what they said, until none is.
@@ -36,6 +35,6 @@ struct ClusterStanding {
 // A function of the sets of edges and clusters, however they are numbered.
 std::vector<ClusterStanding> contest(std::span<const WeighedEdge> edges, std::span<const std::uint32_t> cluster_of,
                                      const std::vector<bool>& out, std::span<const ClusterBond> bonds,
-                                     std::span<const ClusterBond> lenient_bonds, const ContestOptions& options);
+                                     const ContestOptions& options);
 
 }  // namespace mapweld
