@@ -113,7 +113,7 @@ std::vector<ClusterBond> EdgeRelations::bonds(std::span<const std::uint32_t> clu
   });
   if (!edges_.empty()) put_down();
 
-  std::ranges::sort(bonds, {}, [](const ClusterBond& b) { return std::pair(b.of, b.from); });
+  std::ranges::sort(bonds, {}, [](const ClusterBond& b) { return std::uint64_t{b.of} << 32 | b.from; });
   std::size_t kept = 0;
   for (std::size_t i = 0; i < bonds.size(); ++i) {
     if (kept > 0 && bonds[kept - 1].of == bonds[i].of && bonds[kept - 1].from == bonds[i].from) {
