@@ -59,8 +59,8 @@ struct Cast {
   }
 };
 
-void overlap_on_one_floor(Cast& cast, std::uint64_t seed) {
-  const TwoRobots robots = two_robots(*cast.world, kImagesA, kImagesB, seed);
+void overlap_on_one_floor(Cast& cast, std::uint64_t seed, int images_a = kImagesA, int images_b = kImagesB) {
+  const TwoRobots robots = two_robots(*cast.world, images_a, images_b, seed);
   cast.a = trajectory(*cast.world, robots.a);
   cast.b = trajectory(*cast.world, robots.b);
 }
@@ -78,6 +78,9 @@ Cast make_cast(std::string_view name, std::uint64_t seed) {
   if (name == "ordinary" || name == "look-alike") {
     cast.world.emplace(world_for_maps(kImagesA, kImagesB, seed, name == "look-alike"));
     overlap_on_one_floor(cast, seed);
+  } else if (name == "large" || name == "large-look-alike") {
+    cast.world.emplace(world_for_maps(1356, 610, seed, name == "large-look-alike"));
+    overlap_on_one_floor(cast, seed, 1356, 610);
   } else if (name == "corridors" || name == "corridors-part" || name == "corridors-apart") {
     // Robots drive through the first and the third in the same direction.
     WorldOptions options = two_corridors(seed);
@@ -88,15 +91,18 @@ Cast make_cast(std::string_view name, std::uint64_t seed) {
     cast.b = trajectory(*cast.world, whole_lap(*cast.world, hash_of(seed, 82)));
     if (name == "corridors-apart") cast.a = along_corridor(*cast.world, whole_lap(*cast.world, hash_of(seed, 81)), 0);
     if (name != "corridors") cast.b = along_corridor(*cast.world, whole_lap(*cast.world, hash_of(seed, 82)), 2);
-  } else if (name == "storeys" || name == "storeys-apart") {
+  } else if (name == "storeys" || name == "storeys-lift" || name == "storeys-apart") {
     WorldOptions options = two_corridors(seed);
     options.corridors = 1;
     options.storeys = 2;
     options.look_alike_storeys = 0.9;
     cast.world.emplace(options);
     cast.a = trajectory(*cast.world, whole_lap(*cast.world, hash_of(seed, 81)));
-    if (name == "storeys") {
-      const auto above = trajectory(*cast.world, whole_lap(*cast.world, hash_of(seed, 83), 1));
+    if (name != "storeys-apart") {
+      // Upstairs it begins at the other end of the corridor; out of a lift, at the place where it left the floor below.
+      TrajectoryOptions lap = whole_lap(*cast.world, hash_of(seed, 83), 1);
+      if (name == "storeys") lap.start = lap.n_images / 2;
+      const auto above = trajectory(*cast.world, lap);
       cast.a.insert(cast.a.end(), above.begin(), above.end());
     }
     cast.b = trajectory(*cast.world, whole_lap(*cast.world, hash_of(seed, 82), 1));
@@ -152,12 +158,15 @@ Cast make_cast(std::string_view name, std::uint64_t seed) {
 
 const std::vector<MergeScenario>& merge_scenarios() {
   static const std::vector<MergeScenario> all{
+      {"large", "ordinary at the size of the paper's maps, 1,356 and 610 images"},
+      {"large-look-alike", "look-alike at that size"},
       {"ordinary", "two robots on one floor, their drives overlap"},
       {"look-alike", "the same in parallel corridors of which nine places in ten are alike"},
       {"corridors", "three look-alike corridors, both robots drive through all"},
       {"corridors-part", "the same, the second robot drives through the third"},
       {"corridors-apart", "the same, each robot drives through one, and not the same one", false},
       {"storeys", "two look-alike storeys, the first robot sees both, the second one"},
+      {"storeys-lift", "the same, and it comes up where it left the floor below", false},
       {"storeys-apart", "the same, each robot sees another one", false},
       {"posters", "eight posters hang in two places each, drives overlap"},
       {"posters-apart", "the same, each robot drives through another corridor"},

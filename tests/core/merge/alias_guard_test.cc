@@ -192,13 +192,15 @@ World look_alike_places(std::uint16_t right, std::uint16_t alike, bool mixed = f
   return world;
 }
 std::vector<Reason> at_right_place(const World& world) {
+  const auto all = world.reasons();
   std::vector<Reason> reasons;
-  for (std::size_t i = 0; i < world.edges().size(); i += 2) reasons.push_back(world.reasons()[i]);
+  for (std::size_t i = 0; i < all.size(); i += 2) reasons.push_back(all[i]);
   return reasons;
 }
 std::vector<Reason> at_alike_place(const World& world) {
+  const auto all = world.reasons();
   std::vector<Reason> reasons;
-  for (std::size_t i = 1; i < world.edges().size(); i += 2) reasons.push_back(world.reasons()[i]);
+  for (std::size_t i = 1; i < all.size(); i += 2) reasons.push_back(all[i]);
   return reasons;
 }
 
