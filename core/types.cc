@@ -24,4 +24,12 @@ std::string_view to_string(Reason reason) {
   return "";
 }
 
+std::optional<Reason> parse_reason(std::string_view word) {
+  for (int value = 0; value <= static_cast<int>(Reason::kAmbiguous); ++value) {
+    const auto reason = static_cast<Reason>(value);
+    if (to_string(reason) == word) return reason;
+  }
+  return std::nullopt;
+}
+
 }  // namespace mapweld

@@ -10,6 +10,7 @@
 #include <array>
 #include <compare>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -104,6 +105,8 @@ enum class Reason : std::uint8_t {
 
 // The word of http-api.md for a reason ("too_few_inliers", ...); empty for kNone.
 std::string_view to_string(Reason reason);
+// The other way; nullopt for a word that is none, kNone for an empty one.
+std::optional<Reason> parse_reason(std::string_view word);
 
 // What geometry two views obey.
 enum class GeometryKind : std::uint8_t { kNone, kFundamental, kHomography };

@@ -10,7 +10,7 @@ namespace mapweld {
 namespace {
 
 constexpr std::string_view kColumns =
-    "SELECT id, u, v, votes, inliers, log10_false_alarms, confirmed, job, verifications, elapsed_s FROM edges ";
+    "SELECT id, u, v, votes, inliers, log10_false_alarms, confirmed, job, verifications, elapsed_s, doubt FROM edges ";
 
 EdgeRow read_row(const sqlite::Statement& row) {
   EdgeRow edge;
@@ -25,6 +25,7 @@ EdgeRow read_row(const sqlite::Statement& row) {
   if (edge.inter) edge.job = row.id<JobId>(7);
   edge.verifications = static_cast<std::uint64_t>(row.integer(8));
   edge.elapsed_s = row.real(9);
+  if (!edge.confirmed) edge.doubt = row.text(10);
   return edge;
 }
 
@@ -44,6 +45,11 @@ constexpr std::string_view kVisible = "map = ?1 AND v < ?2 AND inliers >= ?3 AND
 
 void bind_visible(sqlite::Statement& statement, const LayoutNode& node, const EdgeFilter& filter) {
   statement.bind_all(node.map, node.watermark, filter.min_inliers, filter.confirmed);
+}
+
+std::optional<std::string> doubt_of(Reason reason) {
+  if (reason == Reason::kNone) return std::nullopt;
+  return std::string(to_string(reason));
 }
 
 }  // namespace
@@ -70,16 +76,17 @@ void insert_edges(WriteTransaction& db, MapId map, std::span<const NewEdge> edge
   const std::int64_t vertices = counted.integer(0);
   counted.run();
   sqlite::Statement insert = db.prepare(
-      "INSERT INTO edges (map, u, v, votes, matches, inliers, log10_false_alarms, evidence, verifier, confirmed, job, "
-      "verifications, elapsed_s) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+      "INSERT INTO edges (map, u, v, votes, matches, inliers, log10_false_alarms, evidence, verifier, confirmed, "
+      "doubt, "
+      "job, verifications, elapsed_s) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   for (const NewEdge& edge : edges) {
     if (to_index(edge.v) >= vertices) throw StoreError(StoreErrorKind::kConstraint, "an edge leaves its map");
     const Verification& verdict = edge.verification;
     const blobs::Bytes evidence = blobs::encode_evidence(verdict);
     insert
         .bind_all(map, edge.u, edge.v, edge.votes, verdict.matches, verdict.inliers, verdict.log10_false_alarms,
-                  std::span<const std::uint8_t>(evidence), verifier, edge.confirmed ? 1 : 0, job,
-                  job ? std::optional(edge.verifications) : std::nullopt,
+                  std::span<const std::uint8_t>(evidence), verifier, edge.doubt == Reason::kNone ? 1 : 0,
+                  doubt_of(edge.doubt), job, job ? std::optional(edge.verifications) : std::nullopt,
                   job ? std::optional(edge.elapsed_s) : std::nullopt)
         .run();
   }
@@ -123,7 +130,7 @@ std::vector<EdgeRow> list_merge_edges(const Reader& db, JobId job, std::size_t l
 
 std::vector<NewEdge> load_merge_edges(const Reader& db, JobId job) {
   sqlite::Statement row = db.prepare(
-      "SELECT u, v, votes, matches, inliers, log10_false_alarms, evidence, confirmed, verifications, elapsed_s "
+      "SELECT u, v, votes, matches, inliers, log10_false_alarms, evidence, doubt, verifications, elapsed_s "
       "FROM edges WHERE job = ? ORDER BY id");
   row.bind(1, job);
   std::vector<NewEdge> edges;
@@ -137,7 +144,9 @@ std::vector<NewEdge> load_merge_edges(const Reader& db, JobId job) {
     edge.verification.inliers = static_cast<int>(row.integer(4));
     edge.verification.log10_false_alarms = row.real(5);
     blobs::decode_evidence(row.blob(6), edge.verification);
-    edge.confirmed = row.integer(7) != 0;
+    const std::optional<Reason> doubt = parse_reason(row.optional_text(7).value_or(""));
+    if (!doubt) throw StoreError(StoreErrorKind::kCorrupt, "an edge is doubted for a reason that nobody knows");
+    edge.doubt = *doubt;
     edge.verifications = static_cast<std::uint64_t>(row.integer(8));
     edge.elapsed_s = row.real(9);
   }
@@ -230,9 +239,14 @@ EdgeEvidence load_edge_evidence(const Reader& db, EdgeId edge) {
   return evidence;
 }
 
-void set_confirmed(WriteTransaction& db, std::span<const EdgeId> edges, bool confirmed) {
-  sqlite::Statement update = db.prepare("UPDATE edges SET confirmed = ? WHERE id = ?");
-  for (const EdgeId edge : edges) update.bind_all(confirmed ? 1 : 0, edge).run();
+void set_doubts(WriteTransaction& db, MapId map, std::span<const EdgeDoubt> edges) {
+  if (edges.empty()) return;
+  sqlite::Statement update =
+      db.prepare("UPDATE edges SET confirmed = ?4, doubt = ?5 WHERE map = ?1 AND u = ?2 AND v = ?3");
+  for (const EdgeDoubt& edge : edges) {
+    update.bind_all(map, edge.u, edge.v, edge.doubt == Reason::kNone ? 1 : 0, doubt_of(edge.doubt)).run();
+  }
+  db.prepare("UPDATE maps SET revision = revision + 1 WHERE id = ?").bind_all(map).run();
 }
 
 }  // namespace mapweld

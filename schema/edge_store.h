@@ -20,8 +20,8 @@ struct NewEdge {
   VertexId u{};  // u < v
   VertexId v{};
   std::uint32_t votes = 0;
-  Verification verification;  // verify(u, v), accepted: geometry and matches go from u to v
-  bool confirmed = true;      // false: verified only (the alias guard withholds it)
+  Verification verification;     // verify(u, v), accepted: geometry and matches go from u to v
+  Reason doubt = Reason::kNone;  // kNone: confirmed; otherwise why the alias guard withholds it
   // Inter edges: how the merge stood when this one was inserted.
   std::uint64_t verifications = 0;
   double elapsed_s = 0;
@@ -44,6 +44,7 @@ struct EdgeRow {
   std::uint32_t inliers = 0;
   double log10_false_alarms = 0;
   bool confirmed = true;
+  std::string doubt;                // not confirmed: why, a reason of docs/http-api.md
   std::optional<JobId> job;         // inter: the merge that made it
   std::uint64_t verifications = 0;  // inter: as they stood then
   double elapsed_s = 0;             // inter: as it stood then
@@ -103,7 +104,13 @@ struct EdgeEvidence {
 // Throws std::out_of_range when there is no such edge, StoreError kCorrupt when a blob is damaged.
 EdgeEvidence load_edge_evidence(const Reader& db, EdgeId edge);
 
-// Changes what is confirmed among a merged map's own edges.
-void set_confirmed(WriteTransaction& db, std::span<const EdgeId> edges, bool confirmed);
+// What is doubted now of a merged map's own edge; kNone: it is confirmed.
+struct EdgeDoubt {
+  VertexId u{};
+  VertexId v{};
+  Reason doubt = Reason::kNone;
+};
+// Changes what is confirmed among a merged map's own edges; its revision grows, unless there is nothing to change.
+void set_doubts(WriteTransaction& db, MapId map, std::span<const EdgeDoubt> edges);
 
 }  // namespace mapweld

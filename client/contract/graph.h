@@ -20,12 +20,13 @@ struct Edge {
   int inliers = 0;
   double log10_false_alarms = 0;
   bool confirmed = true;
+  std::optional<std::string> reason;  // why it is not confirmed
   std::optional<std::int64_t> merge;  // the merge that made an inter edge
   static constexpr auto fields() {
     return std::tuple(field("u", &Edge::u), field("v", &Edge::v), field("kind", &Edge::kind),
                       field("votes", &Edge::votes), field("inliers", &Edge::inliers),
                       field("log10_false_alarms", &Edge::log10_false_alarms), field("confirmed", &Edge::confirmed),
-                      field("merge", &Edge::merge));
+                      omitted_when_empty("reason", &Edge::reason), field("merge", &Edge::merge));
   }
   friend bool operator==(const Edge&, const Edge&) = default;
 };

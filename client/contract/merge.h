@@ -93,6 +93,23 @@ struct CandidateProgress {
   friend bool operator==(const CandidateProgress&, const CandidateProgress&) = default;
 };
 
+// What was found between two of a merge's members.
+struct MemberPair {
+  std::vector<std::string> maps;       // two
+  std::int64_t verified = 0;           // candidates with a verdict
+  std::int64_t accepted = 0;           // of them, edges
+  std::int64_t confirmed = 0;          // of those
+  std::int64_t independent_joins = 0;  // the fewest images whose removal would split the two again
+  std::string verdict = "undecided";   // joined, not_joined, ambiguous, undecided
+  static constexpr auto fields() {
+    using P = MemberPair;
+    return std::tuple(field("maps", &P::maps), field("verified", &P::verified), field("accepted", &P::accepted),
+                      field("confirmed", &P::confirmed), field("independent_joins", &P::independent_joins),
+                      field("verdict", &P::verdict));
+  }
+  friend bool operator==(const MemberPair&, const MemberPair&) = default;
+};
+
 // The last point from which the merge would go on after a crash.
 struct MergeCheckpoint {
   std::int64_t step = 0;
@@ -131,6 +148,7 @@ struct Merge {
   LargestComponent largest_component;
   std::vector<Joined> joined;
   std::int64_t independent_joins = 0;
+  std::vector<MemberPair> pairs;  // each two members
   std::optional<double> certified_fraction;
   std::optional<double> estimated_fraction;
   std::optional<std::int64_t> joinable_vertices;
@@ -152,7 +170,7 @@ struct Merge {
         field("edges", &M::edges), field("components", &M::components),
         field("algebraic_connectivity", &M::algebraic_connectivity), field("largest_component", &M::largest_component),
         field("joined", &M::joined), field("independent_joins", &M::independent_joins),
-        field("certified_fraction", &M::certified_fraction), field("estimated_fraction", &M::estimated_fraction),
+        field("pairs", &M::pairs), field("certified_fraction", &M::certified_fraction), field("estimated_fraction", &M::estimated_fraction),
         field("joinable_vertices", &M::joinable_vertices), field("elapsed_s", &M::elapsed_s),
         field("budget", &M::budget), field("remaining", &M::remaining), field("eta_s", &M::eta_s),
         field("checkpoint", &M::checkpoint), field("stop_reason", &M::stop_reason), field("error", &M::error),

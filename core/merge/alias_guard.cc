@@ -33,7 +33,7 @@ void require_between_members(const MergeEdge& edge, const std::vector<std::uint3
   }
 }
 
-bool pair_shows_enough(const MergeEdge& edge, const EdgeEvidence& evidence, double min_matched_share,
+bool pair_shows_enough(const MergeEdge& edge, const GuardEvidence& evidence, double min_matched_share,
                        const AliasGuardOptions& options) {
   return edge.verification.log10_false_alarms <= options.max_log10_false_alarms &&
          evidence.matched_share >= min_matched_share && evidence.shared_view >= options.min_shared_view &&
@@ -66,7 +66,7 @@ std::map<std::pair<std::uint32_t, std::uint32_t>, double> needed_matched_share(
   return needed;
 }
 
-bool is_peak(const WeighedEdge& edge, const EdgeEvidence& evidence, std::uint32_t extent,
+bool is_peak(const WeighedEdge& edge, const GuardEvidence& evidence, std::uint32_t extent,
              const AliasGuardOptions& options) {
   return static_cast<int>(edge.weight) >= options.min_peak_inliers &&
          evidence.rare_matches >= options.min_rare_matches &&
@@ -116,7 +116,7 @@ std::vector<GuardVerdict> guard_edges(const std::vector<MergeMember>& members, s
     require_between_members(edge, member_of);
     const EdgeOverlap overlap = edge_overlap(*appearances.appearances(edge.u), *appearances.appearances(edge.v),
                                              edge.verification.inlier_matches);
-    EdgeEvidence& evidence = verdicts[e].evidence;
+    GuardEvidence& evidence = verdicts[e].evidence;
     evidence.matched_share = overlap.matched_share;
     evidence.shared_view = overlap.shared_view;
     evidence.spread = overlap.spread;
@@ -144,7 +144,7 @@ std::vector<GuardVerdict> guard_edges(const std::vector<MergeMember>& members, s
   std::vector<std::uint32_t> sizes(clusters, 0);
   const auto extent = extents(weighed, cluster_of, clusters, member_of);
   for (std::size_t k = 0; k < considered.size(); ++k) {
-    EdgeEvidence& evidence = verdicts[considered[k]].evidence;
+    GuardEvidence& evidence = verdicts[considered[k]].evidence;
     evidence.rare_matches = rare[k];
     ++sizes[cluster_of[k]];
     if (is_peak(weighed[k], evidence, extent[cluster_of[k]], options)) has_peak[cluster_of[k]] = true;

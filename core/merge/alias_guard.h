@@ -62,7 +62,7 @@ struct AliasGuardOptions {
 };
 
 // What the guard knows about one edge; for explanations and figures.
-struct EdgeEvidence {
+struct GuardEvidence {
   // Of the pair.
   double matched_share = 0;
   double shared_view = 0;
@@ -72,14 +72,14 @@ struct EdgeEvidence {
   std::uint32_t cluster_edges = 0;
   std::uint64_t support = 0;
   std::uint64_t contradiction = 0;  // by the clusters that stand
-  friend bool operator==(const EdgeEvidence&, const EdgeEvidence&) = default;
+  friend bool operator==(const GuardEvidence&, const GuardEvidence&) = default;
 };
 
 // kNone: confirmed. kUnsupported: the pair or its cluster shows too little, or other edges say that it is elsewhere.
 // kAmbiguous: two places, and nothing decides between them.
 struct GuardVerdict {
   Reason reason = Reason::kNone;
-  EdgeEvidence evidence;
+  GuardEvidence evidence;
   bool confirmed() const { return reason == Reason::kNone; }
   friend bool operator==(const GuardVerdict&, const GuardVerdict&) = default;
 };

@@ -90,7 +90,8 @@ void Alignment::resume(MergeState state) {
   const std::uint32_t transitions = std::exchange(state_.search.word_next_row, 0);
   state_.search.pending.clear();
   state_.search.postponed.clear();
-  state_.candidates_known -= expected.search.pending.size() + expected.search.postponed.size();
+  const std::uint64_t found_here = expected.search.pending.size() + expected.search.postponed.size();
+  state_.candidates_known = state_.pair == 0 ? 0 : state_.candidates_known - found_here;
   for (std::uint32_t i = 0; i < transitions; ++i) {
     if (!align()) break;
   }
@@ -123,8 +124,8 @@ void Alignment::step() {
 void Alignment::advance() {
   for (;;) {
     const bool has_no_images = state_.phase == MergePhase::kVoting && votes().rows() == 0;
-    const bool has_verified_all = state_.phase == MergePhase::kVerification &&
-                                  state_.search.postponed_next == state_.search.postponed.size();
+    const bool has_verified_all =
+        state_.phase == MergePhase::kVerification && state_.search.postponed_next == state_.search.postponed.size();
     if (!has_no_images && !has_verified_all) return;
     if (!next_pair()) {
       state_.phase = MergePhase::kDone;

@@ -11,9 +11,9 @@
 namespace mapweld {
 
 struct DriveLinkOptions {
-  std::uint32_t longest_link = 30;        // AliasGuardOptions
-  double revisit_fullness = 0.9;          // AliasGuardOptions
-  double revisit_completeness = 0.9;      // AliasGuardOptions
+  std::uint32_t longest_link = 30;         // AliasGuardOptions
+  double revisit_fullness = 0.9;           // AliasGuardOptions
+  double revisit_completeness = 0.9;       // AliasGuardOptions
   std::uint32_t min_revisit_images = 100;  // AliasGuardOptions
 };
 

@@ -7,19 +7,20 @@
 
 namespace mapweld {
 
-std::optional<Certificate> certify(const Merger& merger, const LargestComponentConnectivity& largest) {
+std::optional<std::vector<OpenCandidate>> open_with_chances(const Merger& merger) {
   const std::optional<std::vector<Candidate>> left = merger.open_candidates();
   if (!left) return std::nullopt;
   const PassRate rate(merger.state());
   std::vector<OpenCandidate> open;
   open.reserve(left->size());
   for (const Candidate& c : *left) open.push_back({c.source, c.target, rate.chance(c.votes)});
-  return certify(merger.graph(), largest, open);
+  return open;
 }
 
 std::optional<Certificate> certify(const Merger& merger) {
-  if (!merger.open_candidates()) return std::nullopt;
-  return certify(merger, largest_component_connectivity(merger.graph()));
+  const auto open = open_with_chances(merger);
+  if (!open) return std::nullopt;
+  return certify(merger.graph(), *open);
 }
 
 std::uint64_t next_fraction_test(std::uint64_t verifications) {

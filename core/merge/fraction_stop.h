@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "core/merge/certificate.h"
 #include "core/merge/merger.h"
@@ -10,13 +11,15 @@
 
 namespace mapweld {
 
-// The certificate of a merge as it stands, with the chances of PassRate. `largest`: largest_component_connectivity of
-// its graph, or of an earlier one with the same largest component. Nothing while there are votes still to be counted.
-std::optional<Certificate> certify(const Merger& merger, const LargestComponentConnectivity& largest);
+// The candidates of a merge that have no verdict, with the chances of PassRate. Nothing while there are votes still to
+// be counted.
+std::optional<std::vector<OpenCandidate>> open_with_chances(const Merger& merger);
+
+// The certificate of a merge as it stands; every verified edge counts, confirmed or not.
 std::optional<Certificate> certify(const Merger& merger);
 
-// The first number of verifications after this one at which the fraction is tested: a test costs as much as some hundred
-// verifications. Fixed numbers, so that a merge stops at the same step however often it was interrupted.
+// The first number of verifications after this one at which the fraction is tested: a test costs as much as some
+// hundred verifications. Fixed numbers, so that a merge stops at the same step however often it was interrupted.
 std::uint64_t next_fraction_test(std::uint64_t verifications);
 
 // Stops when, at a test, the fraction is reached and no vertex outside of the largest component could still come to it:

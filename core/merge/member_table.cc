@@ -22,7 +22,7 @@ std::string_view to_string(JoinVerdict verdict) {
 }
 
 std::vector<MemberPairSummary> member_table(const std::vector<MergeMember>& members, std::span<const MergeEdge> edges,
-                                            std::span<const RejectedPair> rejected, std::span<const bool> confirmed,
+                                            std::span<const RejectedPair> rejected, const std::vector<bool>& confirmed,
                                             bool is_done) {
   std::size_t vertices = 0;
   for (const MergeMember& member : members) vertices += member.vertices.size();

@@ -33,7 +33,7 @@ struct MemberPairSummary {
 
 // All pairs of members, (0, 1), (0, 2), ... `confirmed`: by edge; empty: all are. `is_done`: no candidate is left.
 std::vector<MemberPairSummary> member_table(const std::vector<MergeMember>& members, std::span<const MergeEdge> edges,
-                                            std::span<const RejectedPair> rejected, std::span<const bool> confirmed,
+                                            std::span<const RejectedPair> rejected, const std::vector<bool>& confirmed,
                                             bool is_done);
 
 }  // namespace mapweld

@@ -57,8 +57,8 @@ void Merger::resume(MergeState state) {
 }
 
 const std::vector<std::string_view>& merge_methods() {
-  static const std::vector<std::string_view> methods{QuickConnect::kName, BruteForce::kName, RandomPairs::kName,
-                                                     RandomCandidates::kName, DegreeMin::kName, Alignment::kName};
+  static const std::vector<std::string_view> methods{QuickConnect::kName,     BruteForce::kName, RandomPairs::kName,
+                                                     RandomCandidates::kName, DegreeMin::kName,  Alignment::kName};
   return methods;
 }
 

@@ -5,8 +5,8 @@
 
 namespace mapweld {
 
-// A Feistel network of six rounds over an even number of bits that holds n, eight at least, walked in cycles until a value
-// below n comes (Black & Rogaway 2002, "Ciphers with arbitrary finite domains"): a permutation, chosen by `key`.
+// A Feistel network of six rounds over an even number of bits that holds n, eight at least, walked in cycles until a
+// value below n comes (Black & Rogaway 2002, "Ciphers with arbitrary finite domains"): a permutation, chosen by `key`.
 class RandomOrder {
  public:
   // n up to 2^62.

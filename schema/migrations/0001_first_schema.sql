@@ -192,6 +192,7 @@ CREATE TABLE edges (
   evidence BLOB NOT NULL,               -- geometry and inlier matches: schema/blobs/evidence_blob.h
   verifier INTEGER NOT NULL REFERENCES verifiers (id),
   confirmed INTEGER NOT NULL CHECK (confirmed IN (0, 1)),
+  doubt TEXT CHECK ((doubt IS NULL) = (confirmed = 1)),  -- why it is not confirmed: a reason of docs/http-api.md
   job INTEGER REFERENCES merges (id) ON DELETE CASCADE,
   verifications INTEGER,                -- inter: how the merge stood when this edge was inserted
   elapsed_s REAL,

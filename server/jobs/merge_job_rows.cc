@@ -53,6 +53,14 @@ MergeProgress stored_progress(const MergeRow& row) {
     p.metrics.largest_algebraic_connectivity = json.value("largest_algebraic_connectivity", 0.0);
     p.metrics.joined = json.value("joined", std::vector<std::uint32_t>{});
     p.metrics.independent_joins = json.value("independent_joins", std::uint32_t{0});
+    if (json.contains("certified_fraction")) {
+      p.certified =
+          Certified{json.at("certified_fraction"), json.at("estimated_fraction"), json.at("joinable_vertices")};
+    }
+    for (const Json& pair : json.value("members", Json::array())) {
+      p.members.push_back({pair.at(0), pair.at(1), pair.at(2), pair.at(3), pair.at(4), pair.at(5),
+                           static_cast<JoinVerdict>(pair.at(6).get<int>())});
+    }
     return p;
   });
   progress.phase = row.phase;
@@ -89,16 +97,26 @@ std::string to_row(const VerifierOptions& options) {
 }
 
 std::string to_row(const MergeProgress& progress) {
-  return Json{{"words_done", progress.words_done},
-              {"words_total", progress.words_total},
-              {"candidates_known", progress.candidates_known},
-              {"components", progress.metrics.components},
-              {"algebraic_connectivity", progress.metrics.algebraic_connectivity},
-              {"largest_vertices", progress.metrics.largest_vertices},
-              {"largest_algebraic_connectivity", progress.metrics.largest_algebraic_connectivity},
-              {"joined", progress.metrics.joined},
-              {"independent_joins", progress.metrics.independent_joins}}
-      .dump();
+  Json json{{"words_done", progress.words_done},
+            {"words_total", progress.words_total},
+            {"candidates_known", progress.candidates_known},
+            {"components", progress.metrics.components},
+            {"algebraic_connectivity", progress.metrics.algebraic_connectivity},
+            {"largest_vertices", progress.metrics.largest_vertices},
+            {"largest_algebraic_connectivity", progress.metrics.largest_algebraic_connectivity},
+            {"joined", progress.metrics.joined},
+            {"independent_joins", progress.metrics.independent_joins},
+            {"members", Json::array()}};
+  if (progress.certified) {
+    json["certified_fraction"] = progress.certified->certified_fraction;
+    json["estimated_fraction"] = progress.certified->estimated_fraction;
+    json["joinable_vertices"] = progress.certified->joinable_vertices;
+  }
+  for (const MemberPairSummary& p : progress.members) {
+    json["members"].push_back(Json::array(
+        {p.first, p.second, p.verified, p.accepted, p.confirmed, p.independent_joins, static_cast<int>(p.verdict)}));
+  }
+  return json.dump();
 }
 
 MergeParameters parameters_of(const MergeRow& row) {
@@ -157,6 +175,15 @@ MergeStatus status_of(const MergeRow& row, const std::vector<MemberRow>& members
     status.joined.push_back({members[k].name, joined});
   }
   status.independent_joins = progress.metrics.independent_joins;
+  if (progress.certified) {
+    status.certified_fraction = progress.certified->certified_fraction;
+    status.estimated_fraction = progress.certified->estimated_fraction;
+    status.joinable_vertices = progress.certified->joinable_vertices;
+  }
+  for (const MemberPairSummary& pair : progress.members) {
+    if (std::max(pair.first, pair.second) >= members.size()) continue;
+    status.pairs.push_back({members[pair.first].name, members[pair.second].name, pair});
+  }
   status.elapsed_s = progress.elapsed_s;
   status.budget = budget_of(row);
   status.remaining = remaining_of(row, {progress.elapsed_s, progress.verifications, progress.edges});

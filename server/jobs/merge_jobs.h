@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/geometry/pair_verifier.h"
+#include "core/merge/member_table.h"
 #include "core/types.h"
 #include "schema/merge_store.h"
 #include "schema/store.h"
@@ -37,8 +38,8 @@ struct MergeBudget {
   std::optional<double> seconds;               // > 0; of elapsed_s: steps, checkpoints and metrics, the last ones too
   std::optional<std::uint64_t> verifications;  // > 0; to the very number
   std::optional<std::uint64_t> edges;          // > 0
-  std::optional<double> fraction_of_maximum;   // in (0, 1]; not offered yet: invalid_budget
-  bool certified = false;                      // judge the fraction by the certificate
+  std::optional<double> fraction_of_maximum;   // in (0, 1]; tested at fixed numbers of verifications
+  bool certified = false;                      // judge the fraction by the certificate, not by the estimate
   friend bool operator==(const MergeBudget&, const MergeBudget&) = default;
 };
 
@@ -47,7 +48,7 @@ struct MergeParameters {
   int min_inliers = 10;            // 4 .. 65535
   double max_false_alarms = 1e-6;  // > 0
   VoteRule votes = VoteRule::kMin;
-  bool alias_guard = false;  // not offered yet: true is invalid_parameter
+  bool alias_guard = false;  // confirm only what core/merge/alias_guard.h confirms; otherwise every edge is
   friend bool operator==(const MergeParameters&, const MergeParameters&) = default;
 };
 
@@ -81,6 +82,13 @@ struct JoinedMember {
   std::uint64_t vertices = 0;  // vertices of the member with an inter edge
 };
 
+// What was found between two of the members.
+struct JoinedPair {
+  std::string first;
+  std::string second;
+  MemberPairSummary summary;
+};
+
 struct CheckpointAge {
   std::uint64_t step = 0;
   double age_s = 0;
@@ -104,6 +112,7 @@ struct MergeStatus {
   LargestComponent largest_component;
   std::vector<JoinedMember> joined;
   std::uint64_t independent_joins = 0;
+  std::vector<JoinedPair> pairs;  // each two members
   std::optional<double> certified_fraction;
   std::optional<double> estimated_fraction;
   std::optional<std::uint64_t> joinable_vertices;

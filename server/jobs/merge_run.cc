@@ -9,13 +9,14 @@
 #include <utility>
 #include <vector>
 
-#include "core/merge/merge_metrics.h"
+#include "core/merge/fraction_stop.h"
 #include "core/merge/run.h"
 #include "schema/blobs/merge_state_blob.h"
 #include "schema/merge_store.h"
 #include "server/jobs/merge_eta.h"
 #include "server/jobs/merge_input_loader.h"
 #include "server/jobs/merge_job_rows.h"
+#include "server/jobs/merge_watch.h"
 #include "server/jobs/pacer.h"
 
 namespace mapweld::server {
@@ -51,7 +52,8 @@ class Run {
         control_(control),
         row_(std::move(loaded.row)),
         checkpoints_(options.checkpoint_interval_s, options.checkpoint_cost_share),
-        metrics_pacer_(options.metrics_interval_s, options.metrics_cost_share),
+        metrics_pacer_(options.metrics_interval_s, options.metrics_cost_share / 2),
+        certificate_pacer_(options.metrics_interval_s, options.metrics_cost_share / 2),
         metrics_interval_s_(options.metrics_interval_s) {
     loaded.input.executor = std::move(executor);
     if (loaded.state) {
@@ -71,6 +73,7 @@ class Run {
       merger_ = make_merger(std::move(loaded.input));
     }
     verifications_before_ = merger_->state().verifications;
+    watch_ = std::make_unique<MergeWatch>(*merger_, parameters_of(row_).alias_guard);
   }
 
   void execute() {
@@ -101,6 +104,9 @@ class Run {
       conditions.push_back(stop_at_verifications(row_.granted_at.verifications + *budget.verifications));
     }
     if (budget.edges) conditions.push_back(stop_at_edges(row_.granted_at.edges + *budget.edges));
+    if (budget.fraction_of_maximum) {
+      conditions.push_back(stop_at_fraction(*budget.fraction_of_maximum, budget.certified));
+    }
     if (budget.seconds) {
       limit_s_ = row_.granted_at.elapsed_s + *budget.seconds;
       // The last metrics and the last checkpoint are part of the budget: leave them the time that they took before,
@@ -113,16 +119,17 @@ class Run {
     return stop_at_first(std::move(conditions));
   }
 
-  double finish_cost_s() const { return metrics_cost_s_ + checkpoint_cost_s_; }
+  double finish_cost_s() const { return metrics_cost_s_ + certificate_cost_s_ + checkpoint_cost_s_; }
 
   void after_step() {
     const double now_s = elapsed_s();
     const MergeState& state = merger_->state();
     while (edge_times_s_.size() < state.edges.size() - edges_stored_) edge_times_s_.push_back(now_s);
     const bool phase_changed = state.phase != measured_phase_;
-    const bool leaves_time = now_s + metrics_cost_s_ + finish_cost_s() < limit_s_;
+    const bool leaves_time = now_s + metrics_cost_s_ + certificate_cost_s_ + finish_cost_s() < limit_s_;
     if (leaves_time && (phase_changed || metrics_pacer_.due(now_s))) {
       refresh_metrics();
+      if (certificate_pacer_.due(now_s)) refresh_certificate();
       if (phase_changed || now_s >= last_curve_s_ * kCurveSpacing) keep_curve_point();
       publish();
     } else if (now_s >= published_s_ + kPublishInterval_s) {
@@ -131,19 +138,27 @@ class Run {
     if (checkpoints_.due(now_s)) save(std::nullopt);
   }
 
-  // Only new edges can change what is measured.
-  void refresh_metrics() {
+  void refresh_metrics(bool exact = false) {
     const double began_s = elapsed_s();
     const MergeState& state = merger_->state();
-    if (!measured_edges_ || *measured_edges_ != state.edges.size()) {
-      progress_.metrics = merge_metrics(merger_->graph(), merger_->input().members, state.edges);
-      measured_edges_ = state.edges.size();
-      metrics_cost_s_ = elapsed_s() - began_s;
-    }
+    const bool had_new_edges = measured_edges_ != state.edges.size();
+    watch_->measure_edges(exact);
+    measured_edges_ = state.edges.size();
+    progress_.metrics = watch_->metrics();
+    progress_.members = watch_->members();
+    if (had_new_edges) metrics_cost_s_ = elapsed_s() - began_s;
     measured_phase_ = state.phase;
     metrics_pacer_.set_interval(std::clamp(
         began_s * kMetricsShareOfPast, std::min(kLeastMetricsInterval_s, metrics_interval_s_), metrics_interval_s_));
     metrics_pacer_.done(began_s, elapsed_s());
+  }
+
+  void refresh_certificate() {
+    const double began_s = elapsed_s();
+    watch_->measure_certificate();
+    progress_.certified = watch_->certified();
+    certificate_cost_s_ = elapsed_s() - began_s;
+    certificate_pacer_.done(began_s, elapsed_s());
   }
 
   void keep_curve_point() {
@@ -152,7 +167,8 @@ class Run {
     if (!curve_.empty() && curve_.back().step == state.step) curve_.pop_back();
     const MergeMetrics& m = progress_.metrics;
     curve_.push_back({state.step, last_curve_s_, state.verifications, state.edges.size(), m.components,
-                      m.algebraic_connectivity, m.largest_vertices, m.largest_algebraic_connectivity, std::nullopt,
+                      m.algebraic_connectivity, m.largest_vertices, m.largest_algebraic_connectivity,
+                      progress_.certified ? std::optional(progress_.certified->certified_fraction) : std::nullopt,
                       std::string(to_string(state.phase))});
   }
 
@@ -189,7 +205,7 @@ class Run {
                        .v = e.v,
                        .votes = e.votes,
                        .verification = e.verification,
-                       .confirmed = true,
+                       .doubt = watch_->doubt(i),
                        .verifications = e.verifications,
                        .elapsed_s = edge_times_s_[i - edges_stored_]});
     }
@@ -201,12 +217,14 @@ class Run {
     checkpoint.edges = edges;
     checkpoint.curve_points = curve_;
     checkpoint.now = now();
+    const std::vector<EdgeDoubt> doubts = watch_->changed_doubts(edges_stored_);
     {
       WriteTransaction db = store_.write();
       const PairVerifier& verifier = *merger_->input().verifier;
       if (!edges.empty()) checkpoint.verifier = intern_verifier(db, verifier.version(), to_row(verifier.options()));
       checkpoint.spent = {elapsed_s(), state.verifications, state.edges.size()};
       if (!save_checkpoint(db, job_, control_.epoch(), checkpoint)) throw FencedOff{};
+      set_doubts(db, row_.map, doubts);
       if (end && !end_run(db, job_, control_.epoch(), *end)) throw FencedOff{};
       db.commit();
     }
@@ -227,7 +245,8 @@ class Run {
       save(std::nullopt);
       return;
     }
-    refresh_metrics();
+    refresh_metrics(true);
+    refresh_certificate();
     keep_curve_point();
     save(end_of(reason));
   }
@@ -249,6 +268,8 @@ class Run {
   Clock::time_point began_;
   Pacer checkpoints_;
   Pacer metrics_pacer_;
+  Pacer certificate_pacer_;
+  std::unique_ptr<MergeWatch> watch_;
   double metrics_interval_s_;
 
   std::optional<blobs::MergeStateMark> mark_;  // what of the state is stored
@@ -258,6 +279,7 @@ class Run {
   MergeProgress progress_;
   std::optional<std::size_t> measured_edges_;
   MergePhase measured_phase_ = MergePhase::kVoting;
+  double certificate_cost_s_ = 0;
   double metrics_cost_s_ = 0;     // of the last time that anything had to be measured
   double checkpoint_cost_s_ = 0;  // of the last checkpoint
   double limit_s_ = std::numeric_limits<double>::infinity();

@@ -46,9 +46,6 @@ void check(const MergeParameters& parameters) {
   if (!(std::isfinite(parameters.max_false_alarms) && parameters.max_false_alarms > 0)) {
     refuse("invalid_parameter", "\"max_false_alarms\" must be greater than 0.");
   }
-  if (parameters.alias_guard) {
-    refuse("invalid_parameter", "\"alias_guard\" is not offered by this version; leave it false.");
-  }
 }
 
 std::vector<MapRow> require_members(const Reader& db, const MergeRequest& request) {
@@ -91,7 +88,6 @@ void check(const MergeBudget& budget) {
   if (budget.fraction_of_maximum) {
     const double fraction = *budget.fraction_of_maximum;
     if (!(fraction > 0 && fraction <= 1)) refuse("invalid_budget", "\"fraction_of_maximum\" must be in (0, 1].");
-    refuse("invalid_budget", "\"fraction_of_maximum\" is not offered by this version.");
   }
 }
 

@@ -7,7 +7,9 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "core/merge/member_table.h"
 #include "core/merge/merge_metrics.h"
 #include "schema/store_types.h"
 
@@ -22,6 +24,13 @@ enum class RunCommand : std::uint8_t {
   kAbandon,  // the job is gone: write nothing more
 };
 
+// How much of what a merge can still reach it has reached (core/merge/certificate.h).
+struct Certified {
+  double certified_fraction = 0;
+  double estimated_fraction = 0;
+  std::uint64_t joinable_vertices = 0;
+};
+
 // The numbers of a job at one moment; what a status shows and a checkpoint's `progress` keeps.
 struct MergeProgress {
   std::string phase = "voting";
@@ -34,6 +43,8 @@ struct MergeProgress {
   double elapsed_s = 0;
   std::optional<double> eta_s;
   MergeMetrics metrics;
+  std::optional<Certified> certified;      // none while votes are still to be counted
+  std::vector<MemberPairSummary> members;  // each two of them
   std::optional<std::uint64_t> checkpoint_step;
   std::chrono::steady_clock::time_point checkpoint_at;
 };

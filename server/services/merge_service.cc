@@ -80,6 +80,14 @@ contract::Merge describe(const MergeStatus& status) {
     merge.joined.push_back({member.map, static_cast<std::int64_t>(member.vertices)});
   }
   merge.independent_joins = static_cast<std::int64_t>(status.independent_joins);
+  for (const JoinedPair& pair : status.pairs) {
+    merge.pairs.push_back({.maps = {pair.first, pair.second},
+                           .verified = static_cast<std::int64_t>(pair.summary.verified),
+                           .accepted = static_cast<std::int64_t>(pair.summary.accepted),
+                           .confirmed = static_cast<std::int64_t>(pair.summary.confirmed),
+                           .independent_joins = pair.summary.independent_joins,
+                           .verdict = std::string(to_string(pair.summary.verdict))});
+  }
   merge.certified_fraction = status.certified_fraction;
   merge.estimated_fraction = status.estimated_fraction;
   merge.joinable_vertices = describe(status.joinable_vertices);

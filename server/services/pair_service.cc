@@ -115,7 +115,7 @@ contract::Pair explain_pair(Store& store, std::int64_t id, std::uint32_t a, std:
     pair.verdict = "accepted";
     pair.matches = evidence.verification.matches;
     pair.inliers = evidence.verification.inliers;
-    if (!edge->confirmed) pair.reason = to_string(Reason::kUnsupported);
+    if (!edge->confirmed) pair.reason = edge->doubt;
     if (with_matches) add_matches(pair, image_u, image_v, evidence.verification);
     return pair;
   }

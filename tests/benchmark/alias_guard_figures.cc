@@ -134,7 +134,7 @@ Figures measure(const MadeMerge& merge, bool list, const std::string& title) {
     figures.confirmed_right += right ? 1 : 0;
     if (right) has_confirmed[to_index(edge.v) - shift] = true;
     if (list && !right) {
-      const EdgeEvidence& x = verdicts[e].evidence;
+      const GuardEvidence& x = verdicts[e].evidence;
       std::printf(
           "  wrong: %s %u %zu shares %.3f: %d inliers, 10^%.1f, matched %.2f, view %.2f, spread %.2f, rare %d, cluster "
           "of %u, "
@@ -222,7 +222,7 @@ void photographs(int threads, bool list) {
       before.push_back(to_index(merge.inter_edges[e].v));
       if (verdicts[e].confirmed()) after.push_back(before.back());
       if (list) {
-        const EdgeEvidence& x = verdicts[e].evidence;
+        const GuardEvidence& x = verdicts[e].evidence;
         std::printf(
             "  %s %u %zu: %d inliers, 10^%.1f, matched %.2f, view %.2f, spread %.2f, rare %d, cluster of %u, %llu for, "
             "%llu against: %s\n",

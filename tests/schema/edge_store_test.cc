@@ -44,7 +44,7 @@ class EdgeStoreTest : public testing::Test {
     e.v = VertexId{v};
     e.votes = static_cast<std::uint32_t>(random_.below(500));
     e.verification = test::random_verification(random_, 12 + static_cast<int>(random_.below(100)), 400, 400);
-    e.confirmed = random_.chance(0.8);
+    e.doubt = random_.chance(0.8) ? Reason::kNone : Reason::kAmbiguous;
     e.verifications = random_.below(1'000);
     e.elapsed_s = random_.unit();
     return e;
@@ -181,7 +181,8 @@ TEST_F(EdgeStoreTest, TheEvidenceOfAnEdgeComesBackBitForBit) {
   const EdgeEvidence evidence = load_edge_evidence(reader, row->id);
   EXPECT_EQ(evidence.verification, inserted.verification);
   EXPECT_EQ(evidence.edge.votes, inserted.votes);
-  EXPECT_EQ(evidence.edge.confirmed, inserted.confirmed);
+  EXPECT_EQ(evidence.edge.confirmed, inserted.doubt == Reason::kNone);
+  EXPECT_EQ(evidence.edge.doubt, std::string(to_string(inserted.doubt)));
   EXPECT_EQ(evidence.edge.verifications, inserted.verifications);
   EXPECT_EQ(evidence.edge.elapsed_s, inserted.elapsed_s);
   EXPECT_EQ(evidence.verifier_version, "epipolar-1");
@@ -206,14 +207,22 @@ TEST_F(EdgeStoreTest, BrokenEdgesAreRefusedAndLeaveNothing) {
 }
 
 TEST_F(EdgeStoreTest, ConfirmationsMayChange) {
-  std::vector<EdgeId> ids;
-  for (const EdgeRow& e : list_merge_edges(store_.read(), job_, 100)) ids.push_back(e.id);
-  for (const bool confirmed : {false, true}) {
+  const std::uint64_t revision = find_map(store_.read(), merged_)->revision;
+  std::vector<EdgeDoubt> doubts;
+  for (const EdgeRow& e : list_merge_edges(store_.read(), job_, 100)) doubts.push_back({e.u, e.v});
+  ASSERT_GT(doubts.size(), 3u);
+  for (const Reason reason : {Reason::kUnsupported, Reason::kAmbiguous, Reason::kNone}) {
+    for (EdgeDoubt& d : doubts) d.doubt = reason;
     WriteTransaction db = store_.write();
-    set_confirmed(db, ids, confirmed);
-    for (const EdgeRow& e : list_merge_edges(db, job_, 100)) EXPECT_EQ(e.confirmed, confirmed);
+    set_doubts(db, merged_, doubts);
+    for (const EdgeRow& e : list_merge_edges(db, job_, 100)) {
+      EXPECT_EQ(e.confirmed, reason == Reason::kNone);
+      EXPECT_EQ(e.doubt, std::string(to_string(reason)));
+    }
+    for (const NewEdge& e : load_merge_edges(db, job_)) EXPECT_EQ(e.doubt, reason);
     db.commit();
   }
+  EXPECT_EQ(find_map(store_.read(), merged_)->revision, revision + 3);
 }
 
 }  // namespace

@@ -127,7 +127,6 @@ TEST_F(BadInput, MergesThatCannotBe) {
   EXPECT_EQ(submit(R"({"maps":["a","b"],"name":"a"})"), "name_taken");
   EXPECT_EQ(submit(R"({"maps":["a","b"],"name":"x","method":"QuickConnect"})"), "unknown_method");
   EXPECT_EQ(submit(R"({"maps":["a","b"],"name":"x","seed":-1})"), "invalid_parameter");
-  EXPECT_EQ(submit(R"({"maps":["a","b"],"name":"x","parameters":{"alias_guard":true}})"), "invalid_parameter");
   EXPECT_EQ(submit(R"({"maps":["a","b"],"name":"x","parameters":{"min_inliers":0}})"), "invalid_parameter");
   EXPECT_EQ(submit(R"({"maps":"ab","name":"x"})"), "invalid_parameter");
   EXPECT_EQ(submit(R"({"name":"x"})"), "invalid_parameter");

@@ -54,14 +54,12 @@ TEST_F(MergeJobsSubmission, RefusesBrokenRequests) {
   expect_refused("invalid_parameter", [](MergeRequest& r) { r.parameters.min_inliers = -3; });
   expect_refused("invalid_parameter", [](MergeRequest& r) { r.parameters.max_false_alarms = 0; });
   expect_refused("invalid_parameter", [](MergeRequest& r) { r.parameters.max_false_alarms = NAN; });
-  expect_refused("invalid_parameter", [](MergeRequest& r) { r.parameters.alias_guard = true; });
   expect_refused("invalid_budget", [](MergeRequest& r) { r.budget.seconds = 0; });
   expect_refused("invalid_budget", [](MergeRequest& r) { r.budget.seconds = -1.5; });
   expect_refused("invalid_budget", [](MergeRequest& r) { r.budget.seconds = INFINITY; });
   expect_refused("invalid_budget", [](MergeRequest& r) { r.budget.verifications = 0; });
   expect_refused("invalid_budget", [](MergeRequest& r) { r.budget.edges = 0; });
   expect_refused("invalid_budget", [](MergeRequest& r) { r.budget.fraction_of_maximum = 1.5; });
-  expect_refused("invalid_budget", [](MergeRequest& r) { r.budget.fraction_of_maximum = 0.9; });
 }
 
 TEST_F(MergeJobsSubmission, RefusesMapsOfDifferentVocabularies) {

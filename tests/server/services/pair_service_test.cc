@@ -332,14 +332,14 @@ TEST_F(Pairs, AnEdgeThatIsNotConfirmedSaysSo) {
   const std::int64_t id = merge({"a", "b"}, "ab");
   {
     WriteTransaction db = services_.store().write();
-    const auto edge = find_own_edge(db, find_map(db, "ab")->id, VertexId{2}, VertexId{4});
-    ASSERT_TRUE(edge);
-    set_confirmed(db, std::vector<EdgeId>{edge->id}, false);
+    const MapId map = find_map(db, "ab")->id;
+    ASSERT_TRUE(find_own_edge(db, map, VertexId{2}, VertexId{4}));
+    set_doubts(db, map, std::vector<EdgeDoubt>{{VertexId{2}, VertexId{4}, Reason::kAmbiguous}});
     db.commit();
   }
   const contract::Pair pair = explain(id, 2, 4);
   EXPECT_EQ(pair.verdict, "accepted");
-  EXPECT_EQ(pair.reason, "unsupported");
+  EXPECT_EQ(pair.reason, "ambiguous");
 }
 
 }  // namespace

@@ -1,0 +1,177 @@
+// The certificate of a running merge, stopping at a fraction, the chance to pass, and the table of members.
+#include "core/merge/fraction_stop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "core/graph/algebraic_connectivity.h"
+#include "core/graph/components.h"
+#include "core/merge/member_table.h"
+#include "core/merge/pass_rate.h"
+#include "tests/core/merge/toy_maps.h"
+
+namespace mapweld {
+namespace {
+
+test::ToyWorld larger(std::uint32_t seed, std::string_view method) {
+  test::ToyWorld world = test::toy_world(seed);
+  world.method = method;
+  world.sizes = {40, 30};
+  world.accept_share = 0.4;
+  return world;
+}
+
+// What stop_at_fraction and a job's status tell is held against the merge's own end, for every method: at no moment
+// does the certificate say more than was true of the component of that moment.
+TEST(FractionOfAMerge, IsNeverCertifiedTooHigh) {
+  std::map<std::string_view, int> told;
+  for (const std::string_view method : merge_methods()) {
+    for (std::uint32_t seed = 0; seed < 9; ++seed) {
+      const MergeInput input = make_toy_merge(larger(seed, method));
+      const auto whole = make_merger(input);
+      run(*whole, {});
+      const auto merger = make_merger(input);
+      while (!merger->done()) {
+        const std::uint64_t next = merger->state().verifications + 40;
+        run(*merger, stop_at_verifications(next));
+        const std::optional<Certificate> now = certify(*merger);
+        if (!now) continue;
+        const LargestComponentConnectivity largest = largest_component_connectivity(merger->graph());
+        const AppearanceGraph end = induced_subgraph(whole->graph(), largest.vertices);
+        const double at_end = algebraic_connectivity(end).value;
+        if (at_end == 0) continue;
+        ++told[method];
+        EXPECT_LE(now->certified_fraction, largest.connectivity.value / at_end * (1 + 1e-9))
+            << method << " seed " << seed << " at " << merger->state().verifications;
+        EXPECT_LE(now->certified_fraction, now->estimated_fraction * (1 + 1e-9));
+        if (now->joinable_vertices == 0) {
+          const Components components = connected_components(whole->graph());
+          EXPECT_EQ(components.sizes[components.component_of[to_index(largest.vertices.front())]],
+                    largest.vertices.size());
+        }
+      }
+      const std::optional<Certificate> at_end = certify(*merger);
+      ASSERT_TRUE(at_end);
+      EXPECT_EQ(at_end->certified_fraction, 1);
+      EXPECT_EQ(at_end->joinable_vertices, 0u);
+    }
+  }
+  for (const std::string_view method : merge_methods()) {
+    if (method == "alignment") continue;  // random places make no sequences
+    EXPECT_GT(told[method], 8) << method;
+  }
+}
+
+TEST(FractionOfAMerge, TheOpenCandidatesAreThoseThatAreVerifiedLater) {
+  for (const std::string_view method : merge_methods()) {
+    const MergeInput input = make_toy_merge(larger(3, method));
+    const auto merger = make_merger(input);
+    run(*merger, stop_when_merger(
+                     [](const Merger& m) { return m.open_candidates().has_value() && m.state().verifications >= 20; },
+                     StopReason::kPaused));
+    std::set<std::pair<VertexId, VertexId>> open, later;
+    const std::vector<Candidate> candidates = merger->open_candidates().value();
+    for (const Candidate& c : candidates) open.insert(std::minmax(c.source, c.target));
+    const std::size_t edges = merger->state().edges.size(), rejected = merger->state().rejected.size();
+    run(*merger, {});
+    const MergeState& end = merger->state();
+    for (std::size_t i = edges; i < end.edges.size(); ++i) later.emplace(end.edges[i].u, end.edges[i].v);
+    for (std::size_t i = rejected; i < end.rejected.size(); ++i) {
+      later.insert(std::minmax(end.rejected[i].source, end.rejected[i].target));
+    }
+    EXPECT_EQ(open, later) << method;
+  }
+}
+
+TEST(StopAtFraction, HoldsWhereItStopsAndStopsThereHoweverOftenInterrupted) {
+  int stopped = 0;
+  for (const bool certified : {true, false}) {
+    for (std::uint32_t seed = 0; seed < 9; ++seed) {
+      const MergeInput input = make_toy_merge(larger(seed, "quickconnect"));
+      const auto straight = make_merger(input);
+      const auto reason = run(*straight, stop_at_fraction(0.8, certified));
+      if (!reason) continue;
+      ++stopped;
+      EXPECT_EQ(*reason, StopReason::kFractionOfMaximum);
+      const std::optional<Certificate> now = certify(*straight);
+      EXPECT_GE(certified ? now->certified_fraction : now->estimated_fraction, 0.8);
+      // With pauses: the same place.
+      auto paused = make_merger(input);
+      for (std::uint64_t pause = 7;; pause += 33) {
+        const auto why = run(*paused, stop_at_first({stop_at_fraction(0.8, certified), stop_at_verifications(pause)}));
+        if (why != StopReason::kVerifications) break;
+        paused = make_merger(input, paused->state());
+      }
+      EXPECT_EQ(paused->state(), straight->state()) << "seed " << seed;
+    }
+  }
+  EXPECT_GE(stopped, 3);
+}
+
+TEST(StopAtFraction, IsTestedAtFixedNumbersThatGrow) {
+  std::uint64_t at = 0;
+  for (int i = 0; i < 60; ++i) {
+    const std::uint64_t next = next_fraction_test(at);
+    ASSERT_GT(next, at);
+    EXPECT_EQ(next_fraction_test(next - 1), next);
+    EXPECT_LE(next - at, std::max<std::uint64_t>(128, at / 8 + 1));
+    at = next;
+  }
+}
+
+TEST(PassRate, IsThatOfCandidatesOfAboutAsManyVotes) {
+  MergeState state;
+  for (int i = 0; i < 300; ++i) {
+    if (i % 10 == 0) {
+      MergeEdge edge;
+      edge.votes = 12;
+      state.edges.push_back(edge);
+    } else {
+      state.rejected.push_back({.votes = 12});
+    }
+    if (i % 10 != 0) {
+      MergeEdge edge;
+      edge.votes = 100;
+      state.edges.push_back(edge);
+    } else {
+      state.rejected.push_back({.votes = 100});
+    }
+  }
+  const PassRate rate(state);
+  EXPECT_NEAR(rate.chance(12), 0.1, 0.02);
+  EXPECT_NEAR(rate.chance(15), 0.1, 0.02);
+  EXPECT_NEAR(rate.chance(100), 0.9, 0.02);
+  EXPECT_NEAR(rate.chance(30), 0.5, 0.02) << "of candidates like none before: as of all";
+  EXPECT_NEAR(PassRate(MergeState{}).chance(10), 0.5, 1e-12);
+}
+
+TEST(MemberTable, CountsByPairsOfMembers) {
+  const std::vector<MergeMember> members = number_members({2, 2, 2, 1});
+  const auto edge = [](std::uint32_t u, std::uint32_t v) {
+    MergeEdge e;
+    e.u = VertexId{u};
+    e.v = VertexId{v};
+    return e;
+  };
+  // 0 and 1 are joined twice at one vertex; 0 and 2 doubtfully; 1 and 2 not; nobody asked about 3 but 2.
+  const std::vector<MergeEdge> edges{edge(0, 2), edge(0, 3), edge(1, 4)};
+  const std::vector<RejectedPair> rejected{{.source = VertexId{5}, .target = VertexId{2}},
+                                           {.source = VertexId{6}, .target = VertexId{4}}};
+  const std::vector<bool> confirmed{true, true, false};
+  const auto table = member_table(members, edges, rejected, confirmed, true);
+  ASSERT_EQ(table.size(), 6u);
+  EXPECT_EQ(table[0], (MemberPairSummary{0, 1, 2, 2, 2, 1, JoinVerdict::kJoined}));
+  EXPECT_EQ(table[1], (MemberPairSummary{0, 2, 1, 1, 0, 0, JoinVerdict::kAmbiguous}));
+  EXPECT_EQ(table[2], (MemberPairSummary{0, 3, 0, 0, 0, 0, JoinVerdict::kNotJoined}));
+  EXPECT_EQ(table[3], (MemberPairSummary{1, 2, 1, 0, 0, 0, JoinVerdict::kNotJoined}));
+  EXPECT_EQ(table[5], (MemberPairSummary{2, 3, 1, 0, 0, 0, JoinVerdict::kNotJoined}));
+  EXPECT_EQ(member_table(members, edges, rejected, confirmed, false)[2].verdict, JoinVerdict::kUndecided);
+  EXPECT_EQ(member_table(members, edges, rejected, {}, false)[1].confirmed, 1u) << "without a guard all are confirmed";
+}
+
+}  // namespace
+}  // namespace mapweld
