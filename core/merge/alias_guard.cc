@@ -70,7 +70,8 @@ bool is_peak(const WeighedEdge& edge, const GuardEvidence& evidence, std::uint32
              const AliasGuardOptions& options) {
   return static_cast<int>(edge.weight) >= options.min_peak_inliers &&
          evidence.rare_matches >= options.min_rare_matches &&
-         (evidence.matched_share >= options.min_peak_matched_share ||
+         ((evidence.matched_share >= options.min_peak_matched_share &&
+           edge.weight * evidence.matched_share >= options.min_peak_fullness) ||
           evidence.rare_matches >= options.min_peak_rare_matches || extent >= options.min_extent);
 }
 

@@ -43,11 +43,12 @@ struct AliasGuardOptions {
   // A place seen twice shows it somewhere, or all along: a cluster is `unsupported` unless one of its edges, or of a
   // cluster that supports it, has min_peak_inliers and min_rare_matches (of words that its maps have nowhere else, out
   // of reach of far_hops) and
-  // - so great a matched share,
+  // - so many inliers times their matched share, and so great a matched share,
   // - or so many matches of such words,
   // - or a cluster that joins so many vertices of either map.
   int min_peak_inliers = 20;
   int min_rare_matches = 3;
+  double min_peak_fullness = 12;
   double min_peak_matched_share = 0.22;
   int min_peak_rare_matches = 40;
   std::uint32_t min_extent = 20;

@@ -273,6 +273,7 @@ int run(int argc, char** argv) {
   app.add_option("--min-peak-rare-matches", tuned.min_peak_rare_matches, "an option of the guard");
   app.add_option("--min-extent", tuned.min_extent, "an option of the guard");
   app.add_option("--matched-share-of-best", tuned.matched_share_of_best, "an option of the guard");
+  app.add_option("--min-peak-fullness", tuned.min_peak_fullness, "an option of the guard");
   app.add_option("--duel-significance", tuned.duel_significance, "an option of the guard");
   app.add_option("--revisit-fullness", tuned.revisit_fullness, "an option of the guard");
   app.add_option("--revisit-completeness", tuned.revisit_completeness, "an option of the guard");
@@ -285,7 +286,7 @@ int run(int argc, char** argv) {
     return 0;
   }
   print_head();
-  Figures decidable;
+  Figures told_apart;
   for (const MergeScenario& scenario : merge_scenarios()) {
     if (!names.empty() && std::ranges::find(names, scenario.name) == names.end()) continue;
     Figures sum;
@@ -299,9 +300,9 @@ int run(int argc, char** argv) {
       sum.add(figures);
     }
     print(std::string(scenario.name), sum);
-    if (scenario.decidable) decidable.add(sum);
+    if (scenario.told_apart) told_apart.add(sum);
   }
-  print("all that can be decided", decidable);
+  print("all that the guard tells apart", told_apart);
   return 0;
 }
 

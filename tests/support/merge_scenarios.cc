@@ -94,6 +94,7 @@ Cast make_cast(std::string_view name, std::uint64_t seed) {
   } else if (name == "storeys" || name == "storeys-lift" || name == "storeys-apart") {
     WorldOptions options = two_corridors(seed);
     options.corridors = 1;
+    options.corridor_length_m = 12;
     options.storeys = 2;
     options.look_alike_storeys = 0.9;
     cast.world.emplace(options);

@@ -13,9 +13,8 @@ namespace mapweld::rendered {
 struct MergeScenario {
   std::string_view name;
   std::string_view what;  // one line
-  // False: nothing in the images of these two maps tells the wrong place from a right one, for the right one is in only
-  // one of them.
-  bool decidable = true;
+  // False: a limit. Nothing, or too little, tells the wrong place from a right one (docs/alias-guard.md, "Limits").
+  bool told_apart = true;
 };
 
 // In the order of docs/alias-guard.md.
