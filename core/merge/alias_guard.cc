@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <stdexcept>
+#include <unordered_map>
 #include <utility>
 
 #include "core/merge/cluster_contest.h"
@@ -40,22 +41,24 @@ bool pair_shows_enough(const MergeEdge& edge, const GuardEvidence& evidence, dou
          evidence.spread >= options.min_spread;
 }
 
-using MemberPairs = std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<double>>;
-std::pair<std::uint32_t, std::uint32_t> pair_of(const MergeEdge& edge, const std::vector<std::uint32_t>& member_of) {
+using MembersPair = std::pair<std::uint32_t, std::uint32_t>;
+MembersPair pair_of(const MergeEdge& edge, const std::vector<std::uint32_t>& member_of) {
   return std::minmax(member_of[to_index(edge.u)], member_of[to_index(edge.v)]);
 }
 
 // What matched share an edge between two members needs.
-std::map<std::pair<std::uint32_t, std::uint32_t>, double> needed_matched_share(
-    std::span<const MergeEdge> edges, const std::vector<GuardVerdict>& verdicts,
-    const std::vector<std::uint32_t>& member_of, const AliasGuardOptions& options) {
-  MemberPairs shares;
+std::map<MembersPair, double> needed_matched_share(std::span<const MergeEdge> edges,
+                                                   const std::vector<GuardVerdict>& verdicts,
+                                                   const std::vector<std::uint32_t>& member_of,
+                                                   const AliasGuardOptions& options) {
+  std::map<MembersPair, std::vector<double>> shares;
   for (std::size_t e = 0; e < edges.size(); ++e) {
     auto& of_pair = shares[pair_of(edges[e], member_of)];
-    if (edges[e].verification.inliers >= options.min_peak_inliers)
+    if (edges[e].verification.inliers >= options.min_peak_inliers) {
       of_pair.push_back(verdicts[e].evidence.matched_share);
+    }
   }
-  std::map<std::pair<std::uint32_t, std::uint32_t>, double> needed;
+  std::map<MembersPair, double> needed;
   for (auto& [pair, of_pair] : shares) {
     needed[pair] = options.min_matched_share;
     if (of_pair.empty()) continue;
@@ -97,16 +100,50 @@ std::vector<std::uint32_t> extents(std::span<const WeighedEdge> edges, std::span
 
 }  // namespace
 
-std::vector<GuardVerdict> guard_edges(const std::vector<MergeMember>& members, std::span<const Edge> inner_edges,
-                                      std::span<const MergeEdge> inter_edges, const AppearanceSource& appearances,
-                                      const AliasGuardOptions& options) {
+struct AliasGuard::Parts {
+  Parts(std::vector<MergeMember> given, std::span<const Edge> inner_edges, const AppearanceSource& source,
+        const AliasGuardOptions& chosen)
+      : members(std::move(given)),
+        appearances(source),
+        options(chosen),
+        balls(members,
+              drive_links(members, inner_edges, source,
+                          {chosen.longest_link, chosen.revisit_fullness, chosen.revisit_completeness,
+                           chosen.min_revisit_images}),
+              static_cast<std::uint8_t>(chosen.far_hops)),
+        member_of(member_of_vertex(members, balls.vertices())),
+        places(source, members) {}
+
+  const EdgeOverlap& overlap(const MergeEdge& edge) {
+    const auto [found, is_new] = overlaps.try_emplace(std::uint64_t{to_index(edge.u)} << 32 | to_index(edge.v));
+    if (is_new) {
+      found->second = edge_overlap(*appearances.appearances(edge.u), *appearances.appearances(edge.v),
+                                   edge.verification.inlier_matches);
+    }
+    return found->second;
+  }
+
+  std::vector<MergeMember> members;
+  const AppearanceSource& appearances;
+  AliasGuardOptions options;
+  HopBalls balls;
+  std::vector<std::uint32_t> member_of;
+  WordPlaces places;
+  std::unordered_map<std::uint64_t, EdgeOverlap> overlaps;
+};
+
+AliasGuard::AliasGuard(std::vector<MergeMember> members, std::span<const Edge> inner_edges,
+                       const AppearanceSource& appearances, const AliasGuardOptions& options)
+    : parts_(std::make_unique<Parts>(std::move(members), inner_edges, appearances, options)) {}
+AliasGuard::~AliasGuard() = default;
+AliasGuard::AliasGuard(AliasGuard&&) noexcept = default;
+
+std::vector<GuardVerdict> AliasGuard::verdicts(std::span<const MergeEdge> inter_edges) {
   std::vector<GuardVerdict> verdicts(inter_edges.size());
   if (inter_edges.empty()) return verdicts;
-  const auto links = drive_links(
-      members, inner_edges, appearances,
-      {options.longest_link, options.revisit_fullness, options.revisit_completeness, options.min_revisit_images});
-  HopBalls balls(members, links, static_cast<std::uint8_t>(options.far_hops));
-  const auto member_of = member_of_vertex(members, balls.vertices());
+  const AliasGuardOptions& options = parts_->options;
+  const auto& member_of = parts_->member_of;
+  HopBalls& balls = parts_->balls;
 
   // The pair by itself.
   std::vector<std::uint32_t> considered;  // edges that show enough: everything below is about these
@@ -115,8 +152,7 @@ std::vector<GuardVerdict> guard_edges(const std::vector<MergeMember>& members, s
   for (std::uint32_t e = 0; e < inter_edges.size(); ++e) {
     const MergeEdge& edge = inter_edges[e];
     require_between_members(edge, member_of);
-    const EdgeOverlap overlap = edge_overlap(*appearances.appearances(edge.u), *appearances.appearances(edge.v),
-                                             edge.verification.inlier_matches);
+    const EdgeOverlap& overlap = parts_->overlap(edge);
     GuardEvidence& evidence = verdicts[e].evidence;
     evidence.matched_share = overlap.matched_share;
     evidence.shared_view = overlap.shared_view;
@@ -140,7 +176,7 @@ std::vector<GuardVerdict> guard_edges(const std::vector<MergeMember>& members, s
   const auto cluster_of = relations.clusters(options.link_hops);
   const auto bonds = relations.bonds(cluster_of);
   const std::uint32_t clusters = *std::ranges::max_element(cluster_of) + 1;
-  const auto rare = rare_matches(edges, appearances, WordPlaces(appearances, members), member_of, balls);
+  const auto rare = rare_matches(edges, parts_->appearances, parts_->places, member_of, balls);
   std::vector<bool> has_peak(clusters, false), out(clusters, true);
   std::vector<std::uint32_t> sizes(clusters, 0);
   const auto extent = extents(weighed, cluster_of, clusters, member_of);
@@ -166,6 +202,12 @@ std::vector<GuardVerdict> guard_edges(const std::vector<MergeMember>& members, s
     verdict.evidence.contradiction = standing.contradiction;
   }
   return verdicts;
+}
+
+std::vector<GuardVerdict> guard_edges(const std::vector<MergeMember>& members, std::span<const Edge> inner_edges,
+                                      std::span<const MergeEdge> inter_edges, const AppearanceSource& appearances,
+                                      const AliasGuardOptions& options) {
+  return AliasGuard(members, inner_edges, appearances, options).verdicts(inter_edges);
 }
 
 }  // namespace mapweld

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -85,10 +86,29 @@ struct GuardVerdict {
   friend bool operator==(const GuardVerdict&, const GuardVerdict&) = default;
 };
 
-// A verdict for each of `inter_edges`, in their order: a function of the set of edges alone, whatever their order and
-// that of the members. Edges are judged by pairs of members; for one that joins a member with itself, or whose vertex
-// is in no member, std::invalid_argument is thrown. Reads the appearance vectors of all members; what the
-// source throws passes through. Deterministic; thread-safe as far as `appearances` is.
+// Judges the edges of a merge again and again while they become more: what follows from the members alone, and from one
+// pair of images, is worked out once. One thread.
+class AliasGuard {
+ public:
+  // Reads the appearance vectors of all members; what the source throws passes through. `appearances` must outlive this
+  // object.
+  AliasGuard(std::vector<MergeMember> members, std::span<const Edge> inner_edges, const AppearanceSource& appearances,
+             const AliasGuardOptions& options = {});
+  ~AliasGuard();
+  AliasGuard(AliasGuard&&) noexcept;
+
+  // A verdict for each of `inter_edges`, in their order: a function of the set of edges alone, whatever their order,
+  // that of the members, and what was asked before. An edge between the same two vertices must come with the same
+  // verification each time. Edges are judged by pairs of members; for one that joins a member with itself, or whose
+  // vertex is in no member, std::invalid_argument is thrown. Deterministic.
+  std::vector<GuardVerdict> verdicts(std::span<const MergeEdge> inter_edges);
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+// The same, once.
 std::vector<GuardVerdict> guard_edges(const std::vector<MergeMember>& members, std::span<const Edge> inner_edges,
                                       std::span<const MergeEdge> inter_edges, const AppearanceSource& appearances,
                                       const AliasGuardOptions& options = {});

@@ -79,6 +79,17 @@ void BM_GuardEdges(benchmark::State& state) {
   }
   state.counters["edges"] = static_cast<double>(merge.edges.size());
 }
+// The same edges again, as at the next checkpoint of a running merge.
+void BM_GuardAgain(benchmark::State& state) {
+  const Merge merge = make_merge(static_cast<std::uint32_t>(state.range(0)), static_cast<std::uint32_t>(state.range(1)),
+                                 static_cast<std::uint32_t>(state.range(2)));
+  AliasGuardOptions options;
+  options.min_matched_share = options.min_shared_view = options.min_spread = 0;
+  AliasGuard guard(merge.members, merge.inner, *merge.appearances, options);
+  guard.verdicts(merge.edges);
+  for (auto _ : state) benchmark::DoNotOptimize(guard.verdicts(merge.edges));
+}
+BENCHMARK(BM_GuardAgain)->ArgNames({"m1", "m2", "edges"})->Args({1356, 610, 12000})->Unit(benchmark::kMillisecond);
 BENCHMARK(BM_GuardEdges)
     ->ArgNames({"m1", "m2", "edges"})
     ->Args({1356, 610, 2500})
