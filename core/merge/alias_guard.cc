@@ -38,7 +38,9 @@ bool pair_shows_enough(const MergeEdge& edge, const GuardEvidence& evidence, dou
                        const AliasGuardOptions& options) {
   return edge.verification.log10_false_alarms <= options.max_log10_false_alarms &&
          evidence.matched_share >= min_matched_share && evidence.shared_view >= options.min_shared_view &&
-         evidence.spread >= options.min_spread;
+         evidence.spread >= options.min_spread &&
+         // Evenly strewn over a rectangle, points lie sqrt(1 / 12) diagonals from its centre (root mean square).
+         12 * evidence.spread * evidence.spread >= options.min_evenness * options.min_evenness * evidence.shared_view;
 }
 
 using MembersPair = std::pair<std::uint32_t, std::uint32_t>;

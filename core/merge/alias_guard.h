@@ -27,6 +27,9 @@ struct AliasGuardOptions {
   double matched_share_of_best = 0.35;
   double min_shared_view = 0.25;  // of either image, as far as the matches tell (EdgeOverlap)
   double min_spread = 0.08;       // of the matches, in diagonals (EdgeOverlap)
+  // The spread that matches strewn evenly over the shared view would have, and at least so great a share of it: matches
+  // on one poster in the middle of a common view have less.
+  double min_evenness = 0.5;
 
   // Hops go along the drive: over inner edges between images that their member took in at most so many apart (far
   // enough to look into a room and come back), and over revisits: see drive_links.

@@ -274,6 +274,7 @@ int run(int argc, char** argv) {
   app.add_option("--min-extent", tuned.min_extent, "an option of the guard");
   app.add_option("--matched-share-of-best", tuned.matched_share_of_best, "an option of the guard");
   app.add_option("--min-peak-fullness", tuned.min_peak_fullness, "an option of the guard");
+  app.add_option("--min-evenness", tuned.min_evenness, "an option of the guard");
   app.add_option("--duel-significance", tuned.duel_significance, "an option of the guard");
   app.add_option("--revisit-fullness", tuned.revisit_fullness, "an option of the guard");
   app.add_option("--revisit-completeness", tuned.revisit_completeness, "an option of the guard");

@@ -166,7 +166,7 @@ const std::vector<MergeScenario>& merge_scenarios() {
       {"corridors", "three look-alike corridors, both robots drive through all"},
       {"corridors-part", "the same, the second robot drives through the third"},
       {"corridors-apart", "the same, each robot drives through one, and not the same one", false},
-      {"storeys", "two look-alike storeys, the first robot sees both, the second one"},
+      {"storeys", "two look-alike storeys, the first robot sees both, the second one", false},
       {"storeys-lift", "the same, and it comes up where it left the floor below", false},
       {"storeys-apart", "the same, each robot sees another one", false},
       {"posters", "eight posters hang in two places each, drives overlap"},
