@@ -179,17 +179,18 @@ std::vector<GuardVerdict> AliasGuard::verdicts(std::span<const MergeEdge> inter_
   const auto bonds = relations.bonds(cluster_of);
   const std::uint32_t clusters = *std::ranges::max_element(cluster_of) + 1;
   const auto rare = rare_matches(edges, parts_->appearances, parts_->places, member_of, balls);
-  std::vector<bool> has_peak(clusters, false), out(clusters, true);
+  std::vector<bool> has_peak(clusters, false), has_rare(clusters, false), out(clusters, true);
   std::vector<std::uint32_t> sizes(clusters, 0);
   const auto extent = extents(weighed, cluster_of, clusters, member_of);
   for (std::size_t k = 0; k < considered.size(); ++k) {
     GuardEvidence& evidence = verdicts[considered[k]].evidence;
     evidence.rare_matches = rare[k];
     ++sizes[cluster_of[k]];
+    if (evidence.rare_matches >= options.min_rare_matches) has_rare[cluster_of[k]] = true;
     if (is_peak(weighed[k], evidence, extent[cluster_of[k]], options)) has_peak[cluster_of[k]] = true;
   }
   for (const ClusterBond& b : bonds) {
-    if (b.support > 0 && has_peak[b.from]) out[b.of] = false;
+    if (b.support > 0 && has_peak[b.from] && has_rare[b.of]) out[b.of] = false;
   }
 
   // Clusters against each other.

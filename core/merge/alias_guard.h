@@ -50,6 +50,7 @@ struct AliasGuardOptions {
   // - so many inliers times their matched share, and so great a matched share,
   // - or so many matches of such words,
   // - or a cluster that joins so many vertices of either map.
+  // And some edge of its own must have min_rare_matches.
   int min_peak_inliers = 20;
   int min_rare_matches = 3;
   double min_peak_fullness = 12;

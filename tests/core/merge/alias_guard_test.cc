@@ -311,6 +311,17 @@ TEST(AliasGuard, RareAreTheWordsThatOccurNowhereElse) {
   EXPECT_EQ(world.verdicts()[0].evidence.rare_matches, 35);
 }
 
+TEST(AliasGuard, APeakNearbyDoesNotHelpWhatHasNoWordOfItsOwn) {
+  World world({40, 40});
+  world.join(world.at(0, 10), world.at(1, 10), 0, 60);
+  world.join(world.at(0, 13), world.at(1, 13), 0, 60);  // two hops on: another cluster, supported by the first
+  EXPECT_THAT(world.reasons(), Each(Reason::kNone));
+  for (std::uint32_t f = 0; f < 60; ++f) {
+    world.set_word(world.at(0, 35), f, 1000 * (world.at(0, 13) + 1) + f);
+  }
+  EXPECT_THAT(world.reasons(), ElementsAre(Reason::kNone, Reason::kUnsupported));
+}
+
 TEST(AliasGuard, AnEdgeInsideAMemberIsRefused) {
   World world({10, 10});
   world.join(world.at(0, 1), world.at(0, 8));
