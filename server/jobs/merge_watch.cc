@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "core/merge/alias_guard.h"
 #include "core/merge/fraction_stop.h"
 
 namespace mapweld::server {
@@ -11,10 +10,9 @@ void MergeWatch::judge() {
   const std::vector<MergeEdge>& edges = merger_.state().edges;
   if (!guards_ || doubts_.size() == edges.size()) return;
   const MergeInput& input = merger_.input();
+  if (!guard_) guard_.emplace(input.members, input.inner_edges, *input.appearances);
   doubts_.clear();
-  for (const GuardVerdict& verdict : guard_edges(input.members, input.inner_edges, edges, *input.appearances)) {
-    doubts_.push_back(verdict.reason);
-  }
+  for (const GuardVerdict& verdict : guard_->verdicts(edges)) doubts_.push_back(verdict.reason);
 }
 
 std::vector<bool> MergeWatch::confirmed() const {

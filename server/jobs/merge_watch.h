@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/merge/alias_guard.h"
 #include "core/merge/member_table.h"
 #include "core/merge/merge_metrics.h"
 #include "core/merge/merger.h"
@@ -48,7 +49,8 @@ class MergeWatch {
   std::optional<Certified> certified_;
   std::vector<MemberPairSummary> members_;
   std::optional<std::size_t> measured_edges_;
-  std::vector<Reason> doubts_;  // guards: by edge
+  std::optional<AliasGuard> guard_;  // made when there is an edge to judge
+  std::vector<Reason> doubts_;       // guards: by edge
   std::vector<Reason> told_;    // as changed_doubts told them last
 };
 
