@@ -1,7 +1,8 @@
-// mapweld-server: serve, train, check.
+// mapweld-server: serve, train, check, evaluate.
 #include <CLI/CLI.hpp>
 
 #include "server/commands/check.h"
+#include "server/commands/evaluate.h"
 #include "server/commands/serve.h"
 #include "server/commands/train.h"
 #include "server/version.h"
@@ -13,6 +14,7 @@ int main(int argc, char** argv) {
   mapweld::server::add_serve_command(app);
   mapweld::add_train_command(app);
   mapweld::server::add_check_command(app);
+  mapweld::server::add_evaluate_command(app);
   CLI11_PARSE(app, argc, argv);
   return 0;
 }

@@ -42,23 +42,25 @@ void append_inner_edges(const Reader& db, const LayoutNode& node, std::vector<Ed
   }
 }
 
-// nullptr when it was told to stop.
-std::shared_ptr<const AppearanceSource> load_appearance_table(const Reader& db, const MapLayout& layout,
-                                                              VocabularyId vocabulary,
-                                                              const std::function<bool()>& should_stop) {
-  std::vector<std::shared_ptr<const AppearanceVector>> vectors(layout.vertices());
+// The appearance vectors of all vertices of a map, appended in its own numbering. False when it was told to stop.
+bool append_appearances(const Reader& db, const MapLayout& layout, VocabularyId vocabulary,
+                        const std::function<bool()>& should_stop,
+                        std::vector<std::shared_ptr<const AppearanceVector>>& vectors) {
+  const std::size_t base = vectors.size();
+  vectors.resize(base + layout.vertices());
   for (const MapLayout::LeafSpan& span : layout.leaf_spans()) {
     for (std::uint32_t from = 0; from < span.count; from += kVerticesAtOnce) {
-      if (should_stop()) return nullptr;
+      if (should_stop()) return false;
       const std::uint32_t count = std::min(kVerticesAtOnce, span.count - from);
       std::vector<AppearanceVector> images =
           load_appearances(db, span.leaf, vocabulary, VertexId{to_index(span.leaf_first) + from}, count);
       for (std::uint32_t i = 0; i < count; ++i) {
-        vectors[to_index(span.first) + from + i] = std::make_shared<const AppearanceVector>(std::move(images[i]));
+        vectors[base + to_index(span.first) + from + i] =
+            std::make_shared<const AppearanceVector>(std::move(images[i]));
       }
     }
   }
-  return std::make_shared<AppearanceTable>(std::move(vectors));
+  return true;
 }
 
 std::optional<MergeState> load_state(const Reader& db, JobId job) {
@@ -91,13 +93,41 @@ std::optional<LoadedMerge> load_merge(Store& store, JobId job, const VerifierFac
     loaded.input.members.push_back(member_vertices(node));
     append_inner_edges(db, node, loaded.input.inner_edges);
   }
-  loaded.input.appearances = load_appearance_table(db, layout, map->vocabulary, should_stop);
-  if (!loaded.input.appearances) return std::nullopt;
+  std::vector<std::shared_ptr<const AppearanceVector>> vectors;
+  if (!append_appearances(db, layout, map->vocabulary, should_stop, vectors)) return std::nullopt;
+  loaded.input.appearances = std::make_shared<AppearanceTable>(std::move(vectors));
   loaded.input.verifier =
       verifier({.min_inliers = parameters.min_inliers, .max_false_alarms = parameters.max_false_alarms});
   loaded.input.options = {row->method, parameters.min_votes, parameters.votes, row->seed};
   loaded.state = load_state(db, job);
   loaded.row = std::move(*row);
+  return loaded;
+}
+
+LoadedMaps load_maps(const Reader& db, std::span<const std::string> names) {
+  LoadedMaps loaded;
+  std::vector<std::uint32_t> sizes;
+  std::vector<std::shared_ptr<const AppearanceVector>> vectors;
+  for (const std::string& name : names) {
+    std::optional<MapRow> map = find_map(db, name);
+    if (!map) throw std::invalid_argument("there is no map named \"" + name + "\"");
+    if (!loaded.maps.empty() && map->vocabulary != loaded.maps.front().vocabulary) {
+      throw std::invalid_argument("\"" + loaded.maps.front().name + "\" and \"" + name +
+                                  "\" have different vocabularies");
+    }
+    const MapLayout layout = load_layout(db, map->id);
+    const auto base = static_cast<std::uint32_t>(vectors.size());
+    for (const Edge& edge : load_edges(db, layout, {.min_inliers = 0, .inter = std::nullopt, .confirmed = true})) {
+      loaded.input.inner_edges.push_back(
+          {VertexId{base + to_index(edge.u)}, VertexId{base + to_index(edge.v)}, edge.weight});
+    }
+    append_appearances(
+        db, layout, map->vocabulary, [] { return false; }, vectors);
+    sizes.push_back(layout.vertices());
+    loaded.maps.push_back(std::move(*map));
+  }
+  loaded.input.members = number_members(sizes);
+  loaded.input.appearances = std::make_shared<AppearanceTable>(std::move(vectors));
   return loaded;
 }
 

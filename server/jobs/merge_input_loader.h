@@ -3,9 +3,13 @@
 
 #include <functional>
 #include <optional>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "core/merge/merge_input.h"
 #include "core/merge/merge_state.h"
+#include "schema/map_store.h"
 #include "schema/merge_store.h"
 #include "schema/store.h"
 #include "server/jobs/merge_jobs.h"
@@ -22,5 +26,14 @@ struct LoadedMerge {
 // is returned when `should_stop` says so in between. Throws StoreError, also kCorrupt for a damaged checkpoint.
 std::optional<LoadedMerge> load_merge(Store& store, JobId job, const VerifierFactory& verifier,
                                       const std::function<bool()>& should_stop);
+
+struct LoadedMaps {
+  std::vector<MapRow> maps;  // in the order given
+  MergeInput input;          // members, inner edges and appearances; verifier and options are the caller's
+};
+
+// Stored maps, plain or merged, as the members of a merge that the store knows nothing of, as they are at this moment.
+// Throws std::invalid_argument when a name is unknown or vocabularies differ, StoreError for what is damaged.
+LoadedMaps load_maps(const Reader& db, std::span<const std::string> names);
 
 }  // namespace mapweld::server
