@@ -181,7 +181,7 @@ std::string draw_panel(const ChartPanel& panel, double x_px, double y_px, double
 
 // Title, subtitle and legend; `y_px` moves below them. The legend stands over the panels: it covers nothing.
 std::string draw_head(const std::string& title, const std::string& subtitle, const std::vector<LegendEntry>& legend,
-                      double width, double& y_px) {
+                      bool of_bars, double width, double& y_px) {
   const double left = kMargin + 12;
   std::string content = text_at(left, y_px + 30, title, {.size_px = 17, .bold = true});
   y_px += 38;
@@ -197,7 +197,8 @@ std::string draw_head(const std::string& title, const std::string& subtitle, con
       x = left;
       y_px += 20;
     }
-    content += line(x, y_px + 8, x + 28, y_px + 8, entry.style.colour, 3, entry.style.dashes);
+    content += of_bars ? line(x + 8, y_px + 8, x + 28, y_px + 8, entry.style.colour, 13)
+                       : line(x, y_px + 8, x + 28, y_px + 8, entry.style.colour, 3, entry.style.dashes);
     content += text_at(x + 36, y_px + 12.5, entry.name, {.size_px = 13});
     x += needed;
   }
@@ -210,7 +211,7 @@ std::string draw_head(const std::string& title, const std::string& subtitle, con
 std::string chart_svg(const Chart& chart) {
   const double width = 2 * kMargin + chart.columns * chart.panel_width_px;
   double y_px = 0;
-  std::string content = draw_head(chart.title, chart.subtitle, chart.legend, width, y_px);
+  std::string content = draw_head(chart.title, chart.subtitle, chart.legend, false, width, y_px);
   const int rows = (static_cast<int>(chart.panels.size()) + chart.columns - 1) / chart.columns;
   for (std::size_t i = 0; i < chart.panels.size(); ++i) {
     const int row = static_cast<int>(i) / chart.columns, column = static_cast<int>(i) % chart.columns;
@@ -229,7 +230,7 @@ std::string bar_chart_svg(const BarChart& chart) {
   const double left = kMargin + kLeft;
   const double width = std::max(560.0, left + plot + kRight);
   double y_px = 0;
-  std::string content = draw_head(chart.title, chart.subtitle, chart.legend, width, y_px);
+  std::string content = draw_head(chart.title, chart.subtitle, chart.legend, true, width, y_px);
   const double top = y_px + 26, bottom = top + kHeight, right = width - kRight;
   const Axis y(chart.y_most, 5, bottom, top);
   content += draw_y_axis(chart.y_title, y, left, right, top, bottom);

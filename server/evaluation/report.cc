@@ -221,7 +221,7 @@ std::string truth_section(const Evaluation& evaluation, const TruthResult& resul
   const auto count = [](std::uint64_t n) { return grouped(static_cast<double>(n)); };
   std::string text = "## Against the truth\n\nRight: " + truth.rule() + ". The file has " + count(truth.lines()) +
                      " lines, " + count(truth.unknown_lines()) + " of them about images that are no vertex.";
-  if (!truth.is_graded()) {
+  if (!truth.is_complete()) {
     text += " Pairs that it does not list count as wrong, be they right: precision is a lower bound.";
   }
   text += "\n\n| | |\n|---|---|\n";
@@ -258,21 +258,25 @@ std::string truth_section(const Evaluation& evaluation, const TruthResult& resul
   for (const double share : shares) head.push_back(percent(share));
   text += row(head) + rule(head.size());
   for (const MethodResult& method : evaluation.methods) {
-    std::vector<std::vector<std::uint64_t>> wrong;
+    std::vector<std::vector<std::uint64_t>> wrong, unlisted;
     for (const RecordedRun& run : method.runs) {
       wrong.push_back(wrong_edges(run.edges, truth, evaluation.member_vertices.front()));
+      unlisted.push_back(wrong_edges(run.edges, truth, evaluation.member_vertices.front(), Error::kNotListed));
     }
     std::vector<std::string> cells{name_of(method)};
     for (const double share : shares) {
-      std::vector<double> counts, edges;
+      std::vector<double> counts, not_listed, edges;
       for (std::size_t r = 0; r < method.runs.size(); ++r) {
         const std::uint64_t taken = edges_within(method.runs[r], CostAxis::kVerifications, 0,
                                                  share * static_cast<double>(evaluation.candidates));
         counts.push_back(static_cast<double>(wrong[r][taken]));
+        not_listed.push_back(static_cast<double>(unlisted[r][taken]));
         edges.push_back(static_cast<double>(taken));
       }
-      const auto one = [](double value) { return value == std::round(value) ? fixed(value, 0) : fixed(value, 1); };
-      cells.push_back(one(summary_of(counts).mean) + " of " + one(summary_of(edges).mean));
+      const auto one = [](double value) { return fixed(value, value == std::round(value) ? 0 : 1); };
+      std::string text_of_share = one(summary_of(counts).mean);
+      if (truth.is_graded()) text_of_share += " (" + one(summary_of(not_listed).mean) + ")";
+      cells.push_back(text_of_share + " of " + one(summary_of(edges).mean));
     }
     text += row(cells);
   }

@@ -120,7 +120,7 @@ class TruthReader {
       const bool right = !shared || number_of(row[*shared]) >= options_.min_shared;
       (right ? truth_.right_ : truth_.listed_).insert(Truth::key(*a, *b));
     }
-    truth_.is_graded_ = shared.has_value();
+    truth_.is_graded_ = truth_.is_complete_ = shared.has_value();
     truth_.rule_ = shared ? "the two images share at least " + shown(100 * options_.min_shared) + " % of their pixels"
                           : "the pair is listed as one place";
   }
@@ -171,7 +171,7 @@ class TruthReader {
         }
       }
     }
-    truth_.is_graded_ = true;
+    truth_.is_complete_ = true;
     truth_.rule_ = "taken at most " + shown(options_.max_distance_m) + " m apart on one floor, headings within " +
                    shown(options_.max_turn_deg) + " degrees";
   }

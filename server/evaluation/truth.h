@@ -42,8 +42,9 @@ class Truth {
   std::vector<bool> placed_in_second(std::uint32_t vertices) const;
   std::uint64_t lines() const { return lines_; }
   std::uint64_t unknown_lines() const { return unknown_lines_; }  // naming an image that is no vertex
-  bool is_graded() const { return is_graded_; }                   // pairs with `shared`, or poses
-  const std::string& rule() const { return rule_; }               // what "right" means, in words
+  bool is_graded() const { return is_graded_; }                   // pairs with the share of their view
+  bool is_complete() const { return is_complete_; }  // what is not listed is known to be wrong: graded, or poses
+  const std::string& rule() const { return rule_; }  // what "right" means, in words
 
   // A CSV file with a header. `a,b[,shared]`: pairs of image names. With columns of any other name the first two are
   // taken, in the order, a b or b a, in which more lines name vertices of both maps.
@@ -58,6 +59,7 @@ class Truth {
   std::uint64_t lines_ = 0;
   std::uint64_t unknown_lines_ = 0;
   bool is_graded_ = false;
+  bool is_complete_ = false;
   std::string rule_;
 
   friend class TruthReader;

@@ -113,11 +113,12 @@ MapPair pair_of(const RecordedEdge& edge, std::uint32_t first_vertices) {
 }
 
 std::vector<std::uint64_t> wrong_edges(std::span<const RecordedEdge> edges, const Truth& truth,
-                                       std::uint32_t first_vertices) {
+                                       std::uint32_t first_vertices, Error error) {
   std::vector<std::uint64_t> wrong{0};
   for (const RecordedEdge& edge : edges) {
     const MapPair pair = pair_of(edge, first_vertices);
-    wrong.push_back(wrong.back() + (truth.is_right(pair.a, pair.b) ? 0 : 1));
+    const bool is_fine = error == Error::kNotRight ? truth.is_right(pair.a, pair.b) : truth.is_listed(pair.a, pair.b);
+    wrong.push_back(wrong.back() + (is_fine ? 0 : 1));
   }
   return wrong;
 }

@@ -60,9 +60,10 @@ struct MapPair {
 };
 MapPair pair_of(const RecordedEdge& edge, std::uint32_t first_vertices);
 
-// How many of the first 0, 1, 2, ... edges are not right: edges.size() + 1 counts.
+// How many of the first 0, 1, 2, ... edges are not right, or not even listed: edges.size() + 1 counts.
+enum class Error : std::uint8_t { kNotRight, kNotListed };
 std::vector<std::uint64_t> wrong_edges(std::span<const RecordedEdge> edges, const Truth& truth,
-                                       std::uint32_t first_vertices);
+                                       std::uint32_t first_vertices, Error error = Error::kNotRight);
 
 // All of it for one pair of maps.
 struct TruthResult {

@@ -24,6 +24,7 @@ TEST(Truth, ReadsPairsAsTheyAreNamed) {
   EXPECT_EQ(truth.lines(), 3u);
   EXPECT_EQ(truth.unknown_lines(), 1u);
   EXPECT_FALSE(truth.is_graded());
+  EXPECT_FALSE(truth.is_complete());
 }
 
 TEST(Truth, FindsTheOrderOfOtherColumns) {
@@ -189,6 +190,10 @@ TEST(WrongEdges, AreCountedAlongTheRun) {
   edges[1].u = VertexId{2}, edges[1].v = VertexId{4};  // a2, b0: wrong
   edges[2].u = VertexId{3}, edges[2].v = VertexId{6};  // a3, b2: wrong
   EXPECT_EQ(wrong_edges(edges, small_truth(), 4), (std::vector<std::uint64_t>{0, 0, 1, 2}));
+  const std::array<NamedMap, 2> maps{NamedMap{"a", {"a0", "a1", "a2", "a3"}}, NamedMap{"b", {"b0", "b1", "b2"}}};
+  const Truth graded = Truth::parse("a,b,shared\na0,b0,0.4\na2,b0,0.06\n", maps);
+  EXPECT_EQ(wrong_edges(edges, graded, 4), (std::vector<std::uint64_t>{0, 0, 1, 2}));
+  EXPECT_EQ(wrong_edges(edges, graded, 4, Error::kNotListed), (std::vector<std::uint64_t>{0, 0, 0, 1}));
 }
 
 }  // namespace
