@@ -137,6 +137,19 @@ std::vector<RecordedEdge> sampled_edges(const std::vector<RecordedEdge>& edges, 
   return sample;
 }
 
+// Every edge of the finished merge by the names of its images; `right` is empty without a truth.
+std::string edges_csv(const Evaluation& evaluation, const std::array<NamedMap, 2>& named, const Truth* truth) {
+  std::string csv = "a,b,inliers,votes,right\n";
+  for (const RecordedEdge& edge : evaluation.all_edges) {
+    const MapPair pair = pair_of(edge, evaluation.member_vertices.front());
+    csv += named[0].images[pair.a] + "," + named[1].images[pair.b] + "," + std::to_string(edge.inliers) + "," +
+           std::to_string(edge.votes) + ",";
+    if (truth != nullptr) csv += truth->is_right(pair.a, pair.b) ? "1" : "0";
+    csv += "\n";
+  }
+  return csv;
+}
+
 std::string command_of(const EvaluateArguments& arguments) {
   std::string command = "mapweld-server evaluate --data DIR --maps " + arguments.maps[0] + " " + arguments.maps[1];
   if (!arguments.evaluation.methods.empty()) {
@@ -194,6 +207,7 @@ void run_evaluate(EvaluateArguments arguments) {
   if (judged) std::ranges::move(truth_figures(evaluation, *judged, pair), std::back_inserter(files));
   const ReportHead head{arguments.maps[0], arguments.maps[1],  command_of(arguments),
                         arguments.merge,   arguments.verifier, version};
+  files.push_back({"edges.csv", edges_csv(evaluation, named, judged ? &judged->truth : nullptr)});
   files.push_back({"report.md", markdown_report(head, evaluation, judged ? &*judged : nullptr)});
   for (const OutputFile& file : files) write_file(arguments.out / file.name, file.content.data(), file.content.size());
 

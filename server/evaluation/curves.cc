@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <utility>
 
@@ -107,9 +108,13 @@ const CurvePoint& RunCurve::at(std::uint64_t edges) {
 std::optional<std::uint64_t> RunCurve::edges_to(double level) {
   const double goal = level * component_.final_connectivity() * (1 - kRounding);
   if (!connected_) return goal > 0 ? std::nullopt : std::optional<std::uint64_t>(0);
-  std::uint64_t high = run_.edges.size();
-  if (at(high).connectivity < goal) return std::nullopt;
-  std::uint64_t low = goal > 0 ? *connected_ : 0;
+  if (at(run_.edges.size()).connectivity < goal) return std::nullopt;
+  // What is known already narrows the search.
+  const auto first_known =
+      std::ranges::find_if(known_, [&](const auto& entry) { return entry.second.connectivity >= goal; });
+  std::uint64_t high = first_known->first;
+  std::uint64_t low = goal > 0 ? std::min(*connected_, high) : 0;
+  if (first_known != known_.begin()) low = std::max(low, std::prev(first_known)->first + 1);
   while (low < high) {
     const std::uint64_t middle = low + (high - low) / 2;
     if (at(middle).connectivity >= goal) {

@@ -133,6 +133,7 @@ void summarise(Evaluation& evaluation, const FinalComponent& component, const Ev
     const auto [m, i] = work[w];
     const RecordedRun& run = evaluation.methods[m].runs[i];
     RunCurve& curve = curves[m][i];
+    curve.points(options.curve_points);
     for (const double level : options.levels) curve.edges_to(level);
     for (const CostAxis axis : kAxes) {
       curve.at(edges_within(run, axis, verifier_s, options.share_of_baseline * on_axis(baseline, axis, verifier_s)));

@@ -25,7 +25,7 @@ struct EvaluationOptions {
   double modelled_verifier_s = 0.02;             // of a verifier better and slower than ours
   std::vector<double> levels{.5, .9, .95, .99};  // shares of the final value, ascending
   double share_of_baseline = 0.1;                // where qualities are compared (figure 5)
-  std::uint32_t curve_points = 48;               // wanted for each run, see RunCurve::points
+  std::uint32_t curve_points = 24;               // wanted for each run, see RunCurve::points
   int threads = 1;                               // for eigenvalues; merging itself has one, so that it can be timed
 };
 

@@ -116,6 +116,7 @@ TEST_F(EvaluateCommand, WritesReportFiguresAndSheetsBesideAServer) {
   for (const char* name : {"figure-5", "figure-6", "figure-7", "wrong-edges", "precision-recall", "localization"}) {
     EXPECT_THAT(text_of(out() / (std::string(name) + ".csv")), HasSubstr(",")) << name;
   }
+  EXPECT_THAT(text_of(out() / "edges.csv"), HasSubstr("f3.png,s3.png,"));
   EXPECT_THAT(text_of(out() / "wrong-edges-sheet.csv"), HasSubstr("1,f0.png,s0.png,"));
   EXPECT_FALSE(cv::imread((out() / "wrong-edges-sheet-1.png").string()).empty());
   EXPECT_FALSE(cv::imread((out() / "edges-sheet-1.png").string()).empty());

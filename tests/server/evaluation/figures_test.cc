@@ -30,6 +30,15 @@ Evaluation small_evaluation(bool memo = false) {
   return evaluate(test::make_toy_merge(test::toy_world(5)), options);
 }
 
+ReportHead small_head() {
+  ReportHead head;
+  head.map_a = "lab";
+  head.map_b = "hall";
+  head.command = "mapweld-server evaluate ...";
+  head.verifier_version = "hash-1";
+  return head;
+}
+
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;
   std::istringstream in(text);
@@ -61,9 +70,9 @@ TEST(Figures, AreWellFormedAndTheirTablesRectangular) {
       expect_table(file);
     }
   }
-  EXPECT_THAT(names, ::testing::UnorderedElementsAre("figure-5.svg", "figure-5.csv", "figure-6.csv", "figure-7.svg",
-                                                     "figure-7.csv", "figure-6-time.svg", "figure-6-verifications.svg",
-                                                     "figure-6-modelled-time.svg"));
+  EXPECT_THAT(names, ::testing::UnorderedElementsAre("figure-5.svg", "figure-5.csv", "figure-6.csv", "levels.csv",
+                                                     "figure-7.svg", "figure-7.csv", "figure-6-time.svg",
+                                                     "figure-6-verifications.svg", "figure-6-modelled-time.svg"));
   for (const MethodResult& method : evaluation.methods) {
     EXPECT_THAT(file_named(files, "figure-5.svg").content, HasSubstr(style_of_method(method.method).colour));
   }
@@ -90,7 +99,7 @@ TEST(Figures, ShowNoTimeWhenVerdictsWereShared) {
     EXPECT_NE(file.name, "figure-6-modelled-time.svg");
     EXPECT_THAT(file.content, Not(HasSubstr("time (s)"))) << file.name;
   }
-  const std::string report = markdown_report({"a", "b", "command", {}, {}, "hash-1"}, evaluation, nullptr);
+  const std::string report = markdown_report(small_head(), evaluation, nullptr);
   EXPECT_THAT(report, HasSubstr("counted in verifications only"));
   EXPECT_THAT(report, Not(HasSubstr("time (s)")));
 }
@@ -149,8 +158,7 @@ int expect_markdown_tables(const std::string& text) {
 
 TEST(Report, HasATableForEachLevelAndARowForEachMethod) {
   const Evaluation evaluation = small_evaluation();
-  const std::string report =
-      markdown_report({"lab", "hall", "mapweld-server evaluate ...", {}, {}, "hash-1"}, evaluation, nullptr);
+  const std::string report = markdown_report(small_head(), evaluation, nullptr);
   EXPECT_EQ(expect_markdown_tables(report), 7) << "head, share, four levels, whole";
   for (const char* level : {"50 %", "90 %", "95 %", "99 %"}) {
     EXPECT_THAT(report, HasSubstr(std::string("## To ") + level + " of the final value"));
@@ -181,7 +189,7 @@ TEST(Report, SaysWhatTheTruthSays) {
   ASSERT_GT(verdicts.size(), 3u);
   const TruthResult truth = judge(verdicts, Truth::parse(csv, maps), evaluation.member_vertices[1],
                                   {.min_inliers = 10, .max_false_alarms = 1e-6});
-  const std::string report = markdown_report({"a", "b", "command", {}, {}, "hash-1"}, evaluation, &truth);
+  const std::string report = markdown_report(small_head(), evaluation, &truth);
   EXPECT_EQ(expect_markdown_tables(report), 10);
   EXPECT_THAT(report, HasSubstr("precision is a lower bound"));
   for (const OutputFile& file : truth_figures(evaluation, truth, "ab")) {
