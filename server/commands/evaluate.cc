@@ -190,6 +190,7 @@ void run_evaluate(EvaluateArguments arguments) {
   if (arguments.evaluation.memo) input.verifier = std::make_shared<MemoVerifier>(input.verifier);
 
   ProgressBar progress;
+  std::ranges::sort(arguments.evaluation.levels);
   const Evaluation evaluation = evaluate(input, arguments.evaluation,
                                          [&](const EvaluationProgress& p) { progress.show(p.stage, p.done, p.total); });
   std::optional<TruthResult> judged;
@@ -198,7 +199,7 @@ void run_evaluate(EvaluateArguments arguments) {
     std::vector<CandidateVerdict> verdicts =
         verify_candidates(input, arguments.evaluation.threads,
                           [&](std::uint64_t done) { progress.show("verdicts", done, evaluation.candidates); });
-    judged = judge(std::move(verdicts), std::move(*truth), evaluation.member_vertices[1], arguments.verifier);
+    judged = judge(std::move(verdicts), std::move(*truth), input, evaluation, arguments.verifier);
   }
   progress.end();
 
@@ -237,6 +238,10 @@ void add_evaluate_command(CLI::App& app) {
       ->delimiter(',');
   command->add_option("--runs", arguments->evaluation.runs, "Runs of each method that draws at random")
       ->check(CLI::Range(1u, 10000u))
+      ->capture_default_str();
+  command->add_option("--levels", arguments->evaluation.levels, "Shares of the final value whose cost is told")
+      ->delimiter(',')
+      ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command->add_option("--seed", arguments->evaluation.seed, "Seed of the first run; the others follow")
       ->capture_default_str();

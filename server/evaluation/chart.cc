@@ -98,12 +98,29 @@ std::vector<ChartPoint> visible(const std::vector<ChartPoint>& points, const Sca
   return kept;
 }
 
+// Is the point so near the last one drawn that nobody could tell?
+class Thinner {
+ public:
+  bool drops(double x_px, double y_px, bool is_last) {
+    constexpr double kVisible = 0.35;
+    if (!is_last && std::abs(x_px - x_px_) < kVisible && std::abs(y_px - y_px_) < kVisible) return true;
+    x_px_ = x_px;
+    y_px_ = y_px;
+    return false;
+  }
+
+ private:
+  double x_px_ = -1e9;
+  double y_px_ = -1e9;
+};
+
 std::string draw_band(const ChartSeries& series, const Scale& x, const Axis& y, double y_most) {
   if (series.spread.empty()) return "";
   std::string above, below;
+  Thinner thinner;
   for (std::size_t i = 0; i < series.points.size(); ++i) {
     const ChartPoint& point = series.points[i];
-    if (!x.holds(point.x)) continue;
+    if (!x.holds(point.x) || thinner.drops(x.at(point.x), y.at(point.y), i + 1 == series.points.size())) continue;
     const auto at = [&](double value) { return px(x.at(point.x)) + " " + px(y.at(std::clamp(value, 0.0, y_most))); };
     above += (above.empty() ? "M" : "L") + at(point.y + series.spread[i]);
     below = "L" + at(point.y - series.spread[i]) + below;
@@ -121,12 +138,13 @@ std::string draw_series(const ChartSeries& series, const Scale& x, const Axis& y
     }
     return content;
   }
-  std::string path, last;
-  for (const ChartPoint& point : visible(series.points, x)) {
-    const std::string at = px(x.at(point.x)) + " " + px(y.at(point.y));
-    if (at == last) continue;
-    path += (path.empty() ? "M" : "L") + at;
-    last = at;
+  std::string path;
+  Thinner thinner;
+  const std::vector<ChartPoint> points = visible(series.points, x);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double x_px = x.at(points[i].x), y_px = y.at(points[i].y);
+    if (thinner.drops(x_px, y_px, i + 1 == points.size())) continue;
+    path += (path.empty() ? "M" : "L") + px(x_px) + " " + px(y_px);
   }
   if (path.empty()) return "";
   content = "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + series.style.colour +

@@ -235,6 +235,13 @@ std::string truth_section(const Evaluation& evaluation, const TruthResult& resul
   text += row({"of them with a right edge",
                count(result.rightly_joined) + ": " +
                    percent(result.placed == 0 ? 0.0 : static_cast<double>(result.rightly_joined) / result.placed, 1)});
+  if (truth.is_graded()) {
+    const double joined = result.joinable == 0 ? 0.0 : static_cast<double>(result.joinable_joined) / result.joinable;
+    text += row({"images of the second map that share " + percent(kJoinableShare) + " with one of the first and have " +
+                     std::to_string(kJoinableFeatures) + " features, with a right edge",
+                 count(result.joinable_joined) + " of " + count(result.joinable) + ": " + percent(joined, 1)});
+  }
+  text += row({"lambda_2 with the right edges only, of the final value", percent(result.right_connectivity, 1)});
   text += row({"recall at 100 % precision, inliers alone", full_precision_text(result.by_inliers, "at least", 1)});
   text += row({"recall at 100 % precision, false alarms alone",
                full_precision_text(result.by_false_alarms, "log10 at most", -1)});

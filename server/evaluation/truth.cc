@@ -117,8 +117,9 @@ class TruthReader {
         ++truth_.unknown_lines_;
         continue;
       }
-      const bool right = !shared || number_of(row[*shared]) >= options_.min_shared;
-      (right ? truth_.right_ : truth_.listed_).insert(Truth::key(*a, *b));
+      const double share = shared ? number_of(row[*shared]) : 1;
+      const bool right = !shared || share >= options_.min_shared;
+      (right ? truth_.right_ : truth_.listed_).emplace(Truth::key(*a, *b), share);
     }
     truth_.is_graded_ = truth_.is_complete_ = shared.has_value();
     truth_.rule_ = shared ? "the two images share at least " + shown(100 * options_.min_shared) + " % of their pixels"
@@ -167,7 +168,7 @@ class TruthReader {
         const double turn_deg = std::abs(std::remainder(a.heading_deg - b.heading_deg, 360.0));
         const double distance_m = std::sqrt((a.x_m - b.x_m) * (a.x_m - b.x_m) + (a.y_m - b.y_m) * (a.y_m - b.y_m));
         if (a.floor == b.floor && distance_m <= options_.max_distance_m && turn_deg <= options_.max_turn_deg) {
-          truth_.right_.insert(Truth::key(a.vertex, b.vertex));
+          truth_.right_.emplace(Truth::key(a.vertex, b.vertex), 1.0);
         }
       }
     }
@@ -187,9 +188,11 @@ Truth Truth::parse(std::string_view csv, const std::array<NamedMap, 2>& maps, co
   return TruthReader(maps, options).read(csv);
 }
 
-std::vector<bool> Truth::placed_in_second(std::uint32_t vertices) const {
+std::vector<bool> Truth::placed_in_second(std::uint32_t vertices, double min_shared) const {
   std::vector<bool> placed(vertices, false);
-  for (const std::uint64_t pair : right_) placed.at(pair & 0xFFFFFFFF) = true;
+  for (const auto& [pair, share] : right_) {
+    if (share >= min_shared) placed.at(pair & 0xFFFFFFFF) = true;
+  }
   return placed;
 }
 

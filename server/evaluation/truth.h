@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <unordered_set>
+#include <unordered_map>
 #include <vector>
 
 namespace mapweld::server::evaluation {
@@ -38,8 +38,9 @@ class Truth {
   // Listed in the file, be it below `min_shared`: neither right nor wholly wrong. Poses: as is_right.
   bool is_listed(std::uint32_t a, std::uint32_t b) const { return is_right(a, b) || listed_.contains(key(a, b)); }
   std::uint64_t right_pairs() const { return right_.size(); }
-  // By vertex of the second map: whether some image of the first shows its place.
-  std::vector<bool> placed_in_second(std::uint32_t vertices) const;
+  // By vertex of the second map: whether some image of the first shows its place; graded truth: shares `min_shared` or
+  // more with it.
+  std::vector<bool> placed_in_second(std::uint32_t vertices, double min_shared = 0) const;
   std::uint64_t lines() const { return lines_; }
   std::uint64_t unknown_lines() const { return unknown_lines_; }  // naming an image that is no vertex
   bool is_graded() const { return is_graded_; }                   // pairs with the share of their view
@@ -54,8 +55,8 @@ class Truth {
 
  private:
   static std::uint64_t key(std::uint32_t a, std::uint32_t b) { return (std::uint64_t{a} << 32) | b; }
-  std::unordered_set<std::uint64_t> right_;
-  std::unordered_set<std::uint64_t> listed_;
+  std::unordered_map<std::uint64_t, double> right_;   // with what they share; 1 where the truth is not graded
+  std::unordered_map<std::uint64_t, double> listed_;  // and are not right
   std::uint64_t lines_ = 0;
   std::uint64_t unknown_lines_ = 0;
   bool is_graded_ = false;

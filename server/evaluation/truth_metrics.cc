@@ -123,8 +123,10 @@ std::vector<std::uint64_t> wrong_edges(std::span<const RecordedEdge> edges, cons
   return wrong;
 }
 
-TruthResult judge(std::vector<CandidateVerdict> verdicts, Truth truth, std::uint32_t second_vertices,
-                  const VerifierOptions& thresholds) {
+TruthResult judge(std::vector<CandidateVerdict> verdicts, Truth truth, const MergeInput& input,
+                  const Evaluation& evaluation, const VerifierOptions& thresholds) {
+  const std::vector<VertexId>& second = input.members.at(1).vertices;
+  const auto second_vertices = static_cast<std::uint32_t>(second.size());
   TruthResult result;
   result.thresholds = thresholds;
   result.candidates = verdicts.size();
@@ -153,6 +155,22 @@ TruthResult judge(std::vector<CandidateVerdict> verdicts, Truth truth, std::uint
   result.localization = recall_at_k(verdicts, truth, second_vertices, thresholds, kRanks);
   result.placed = static_cast<std::uint32_t>(std::ranges::count(truth.placed_in_second(second_vertices), true));
   result.rightly_joined = static_cast<std::uint32_t>(std::ranges::count(joined, true));
+  const std::vector<bool> shares_enough = truth.placed_in_second(second_vertices, kJoinableShare);
+  for (std::uint32_t v = 0; v < second_vertices; ++v) {
+    if (!shares_enough[v] || input.appearances->appearances(second[v])->appearances.size() < kJoinableFeatures)
+      continue;
+    ++result.joinable;
+    result.joinable_joined += joined[v] ? 1 : 0;
+  }
+  std::vector<RecordedEdge> right_edges;
+  for (const RecordedEdge& edge : evaluation.all_edges) {
+    const MapPair pair = pair_of(edge, evaluation.member_vertices.front());
+    if (truth.is_right(pair.a, pair.b)) right_edges.push_back(edge);
+  }
+  if (evaluation.final_connectivity > 0) {
+    result.right_connectivity =
+        FinalComponent(input, evaluation.all_edges).connectivity(right_edges) / evaluation.final_connectivity;
+  }
   result.truth = std::move(truth);
   return result;
 }

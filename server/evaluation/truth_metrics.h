@@ -80,8 +80,16 @@ struct TruthResult {
   std::vector<RecallAtK> localization;
   std::uint32_t placed = 0;          // vertices of the second map whose place the first has
   std::uint32_t rightly_joined = 0;  // of them, with at least one right accepted pair
+  // Graded truth: those that share kJoinableShare with some image of the first map and have kJoinableFeatures features.
+  std::uint32_t joinable = 0;
+  std::uint32_t joinable_joined = 0;
+  double right_connectivity = 0;  // lambda_2 of the final component with its right edges only; share of the final value
 };
-TruthResult judge(std::vector<CandidateVerdict> verdicts, Truth truth, std::uint32_t second_vertices,
-                  const VerifierOptions& thresholds);
+inline constexpr double kJoinableShare = 0.3;
+inline constexpr std::size_t kJoinableFeatures = 50;
+
+// `input` and `evaluation` are of the merge that was run with `thresholds`; the truth is of its two maps.
+TruthResult judge(std::vector<CandidateVerdict> verdicts, Truth truth, const MergeInput& input,
+                  const Evaluation& evaluation, const VerifierOptions& thresholds);
 
 }  // namespace mapweld::server::evaluation

@@ -187,8 +187,8 @@ TEST(Report, SaysWhatTheTruthSays) {
     if (verdicts.size() % 2 == 0) csv += std::to_string(pair.a) + "," + std::to_string(pair.b) + "\n";
   }
   ASSERT_GT(verdicts.size(), 3u);
-  const TruthResult truth = judge(verdicts, Truth::parse(csv, maps), evaluation.member_vertices[1],
-                                  {.min_inliers = 10, .max_false_alarms = 1e-6});
+  const TruthResult truth = judge(verdicts, Truth::parse(csv, maps), test::make_toy_merge(test::toy_world(5)),
+                                  evaluation, {.min_inliers = 10, .max_false_alarms = 1e-6});
   const std::string report = markdown_report(small_head(), evaluation, &truth);
   EXPECT_EQ(expect_markdown_tables(report), 10);
   EXPECT_THAT(report, HasSubstr("precision is a lower bound"));

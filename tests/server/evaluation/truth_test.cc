@@ -1,7 +1,10 @@
 #include "server/evaluation/truth.h"
 
 #include <array>
+#include <cmath>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -118,8 +121,51 @@ TEST(Verdicts, AreAcceptedByBothThresholds) {
   EXPECT_EQ(accepted, (std::vector<bool>{true, false, false, true, false, true}));
 }
 
+// The maps of small_truth, each a path, with 60 features an image; b2 has 10. Accepted: a0-b0, a2-b0, a3-b2.
+MergeInput small_input() {
+  MergeInput input;
+  input.members = number_members({4, 3});
+  input.inner_edges = {{VertexId{0}, VertexId{1}, 1},
+                       {VertexId{1}, VertexId{2}, 1},
+                       {VertexId{2}, VertexId{3}, 1},
+                       {VertexId{4}, VertexId{5}, 1},
+                       {VertexId{5}, VertexId{6}, 1}};
+  std::vector<std::shared_ptr<const AppearanceVector>> images;
+  for (std::size_t v = 0; v < 7; ++v) {
+    AppearanceVector image;
+    image.appearances.resize(v == 6 ? 10 : 60);
+    images.push_back(std::make_shared<const AppearanceVector>(image));
+  }
+  input.appearances = std::make_shared<AppearanceTable>(std::move(images));
+  return input;
+}
+
+Evaluation small_evaluation() {
+  Evaluation evaluation;
+  evaluation.member_vertices = {4, 3};
+  evaluation.all_edges.resize(3);
+  evaluation.all_edges[0].u = VertexId{0}, evaluation.all_edges[0].v = VertexId{4};
+  evaluation.all_edges[1].u = VertexId{2}, evaluation.all_edges[1].v = VertexId{4};
+  evaluation.all_edges[2].u = VertexId{3}, evaluation.all_edges[2].v = VertexId{6};
+  evaluation.final_connectivity = 0.5;
+  return evaluation;
+}
+
+TEST(TruthResult, CountsWhatIsJoinable) {
+  const std::array<NamedMap, 2> maps{NamedMap{"a", {"a0", "a1", "a2", "a3"}}, NamedMap{"b", {"b0", "b1", "b2"}}};
+  const Truth truth = Truth::parse("a,b,shared\na0,b0,0.4\na1,b1,0.29\na3,b1,0.31\na3,b2,0.9\n", maps);
+  const TruthResult result =
+      judge(kVerdicts, truth, small_input(), small_evaluation(), {.min_inliers = 10, .max_false_alarms = 1e-6});
+  EXPECT_EQ(result.placed, 3u);
+  EXPECT_EQ(result.joinable, 2u) << "b2 has too few features";
+  EXPECT_EQ(result.joinable_joined, 1u) << "b0";
+}
+
 TEST(TruthResult, IsCountedByHand) {
-  const TruthResult result = judge(kVerdicts, small_truth(), 3, {.min_inliers = 10, .max_false_alarms = 1e-6});
+  const TruthResult result =
+      judge(kVerdicts, small_truth(), small_input(), small_evaluation(), {.min_inliers = 10, .max_false_alarms = 1e-6});
+  // The only right edge, a0 - b0, makes a path of seven vertices.
+  EXPECT_NEAR(result.right_connectivity, (2 - 2 * std::cos(std::acos(-1.0) / 7)) / 0.5, 1e-9);
   EXPECT_EQ(result.candidates, 6u);
   EXPECT_EQ(result.right_candidates, 3u);
   EXPECT_EQ(result.chosen.accepted, 3u);
