@@ -167,11 +167,6 @@ void summarise(Evaluation& evaluation, const FinalComponent& component, const Ev
 
 }  // namespace
 
-bool is_randomised(std::string_view method) {
-  constexpr std::array<std::string_view, 3> kRandomised{"random", "random-candidates", "degree-min"};
-  return std::ranges::find(kRandomised, method) != kRandomised.end();
-}
-
 const MethodResult* Evaluation::find(std::string_view method) const {
   const auto found = std::ranges::find(methods, method, &MethodResult::method);
   return found == methods.end() ? nullptr : &*found;

@@ -29,9 +29,6 @@ struct EvaluationOptions {
   int threads = 1;                               // for eigenvalues; merging itself has one, so that it can be timed
 };
 
-// Methods whose order of verification depends on the seed.
-bool is_randomised(std::string_view method);
-
 // What it took to reach one level, over the runs that did.
 struct LevelCost {
   double level = 0;
