@@ -59,7 +59,9 @@ struct MethodResult {
   Summary verifications;                        // of the whole merge
   Summary time_s;
   Summary modelled_time_s;
-  bool is_complete = true;  // every run ended with the edges that all methods found together
+  // Every run ended with the edges that all methods found together. Not so where a method leaves candidates out, as
+  // `alignment` does.
+  bool is_complete = true;
 };
 
 struct Evaluation {

@@ -48,7 +48,12 @@ TEST(Evaluation, MeasuresEveryMethodAgainstOneFinalValue) {
     EXPECT_EQ(evaluation.methods.size(), merge_methods().size());
     for (const MethodResult& method : evaluation.methods) {
       ASSERT_EQ(method.runs.size(), is_randomised(method.method) ? 3u : 1u) << method.method;
-      EXPECT_TRUE(method.is_complete) << method.method;
+      if (!method.is_complete) {
+        EXPECT_EQ(method.method, "alignment") << "the only one that leaves candidates out";
+        EXPECT_LT(method.runs[0].edges.size(), evaluation.all_edges.size());
+        EXPECT_LE(method.runs[0].cost.verifications, evaluation.candidates);
+        continue;
+      }
       for (std::size_t i = 0; i < method.runs.size(); ++i) {
         EXPECT_EQ(method.runs[i].seed, 40 + i);
         EXPECT_EQ(method.runs[i].cost.verifications, evaluation.candidates) << method.method;
@@ -77,8 +82,8 @@ TEST(Evaluation, SummarisesTheRunsOfEachMethod) {
     std::vector<double> verifications;
     const FinalComponent component(input, evaluation.all_edges);
     for (const RecordedRun& run : method.runs) {
-      verifications.push_back(
-          static_cast<double>(cost_of(run, RunCurve(component, run).edges_to(0.9).value()).verifications));
+      const auto reached = RunCurve(component, run).edges_to(0.9);
+      if (reached) verifications.push_back(static_cast<double>(cost_of(run, *reached).verifications));
     }
     EXPECT_EQ(method.levels[0].verifications, summary_of(verifications)) << method.method;
   }

@@ -46,6 +46,15 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
+// The last line of a method in a CSV.
+std::string last_line_of(const std::string& method, const std::string& csv) {
+  std::string last;
+  for (const std::string& line : lines_of(csv)) {
+    if (line.starts_with(method + ",")) last = line;
+  }
+  return last;
+}
+
 void expect_table(const OutputFile& file) {
   const std::vector<std::string> lines = lines_of(file.content);
   ASSERT_GT(lines.size(), 1u) << file.name;
@@ -85,7 +94,7 @@ TEST(Figures, Figure6EndsAtTheFinalValue) {
             "method,run,seed,edges,verifications,time_s,modelled_time_s,connectivity,normalised_connectivity,"
             "joined_vertices,independent_joins");
   std::vector<std::string> last;
-  std::istringstream fields(lines.back());
+  std::istringstream fields(last_line_of("brute-force", file_named(figures(evaluation, "ab"), "figure-6.csv").content));
   for (std::string field; std::getline(fields, field, ',');) last.push_back(field);
   EXPECT_EQ(last[3], std::to_string(evaluation.finished.edges));
   EXPECT_EQ(last[4], std::to_string(evaluation.candidates));
@@ -199,10 +208,10 @@ TEST(Report, SaysWhatTheTruthSays) {
       expect_table(file);
     }
   }
-  const std::vector<std::string> wrong =
-      lines_of(file_named(truth_figures(evaluation, truth, "ab"), "wrong-edges.csv").content);
-  EXPECT_THAT(wrong.back(), ::testing::EndsWith("," + std::to_string((verdicts.size() + 1) / 2) + "," +
-                                                std::to_string((verdicts.size() + 1) / 2)));
+  const std::string count = std::to_string((verdicts.size() + 1) / 2);
+  EXPECT_THAT(
+      last_line_of("brute-force", file_named(truth_figures(evaluation, truth, "ab"), "wrong-edges.csv").content),
+      ::testing::EndsWith("," + count + "," + count));
 }
 
 }  // namespace
