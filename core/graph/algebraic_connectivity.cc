@@ -13,6 +13,7 @@
 #include "core/graph/components.h"
 #include "core/graph/fiedler_iteration.h"
 #include "core/graph/grounded_laplacian.h"
+#include "core/graph/pseudo_inverse.h"
 #include "core/graph/sparsify.h"
 
 namespace mapweld {
@@ -53,22 +54,6 @@ bool is_connected(std::uint32_t vertices, const std::vector<LaplacianEdge>& edge
   }
   return components == 1;
 }
-
-// y = L^+ x, in the form that Spectra asks for.
-class PseudoInverse {
- public:
-  using Scalar = double;
-  PseudoInverse(int vertices, const GroundedLaplacian& solver) : vertices_(vertices), solver_(solver) {}
-  Eigen::Index rows() const { return vertices_; }
-  Eigen::Index cols() const { return vertices_; }
-  void perform_op(const double* x_in, double* y_out) const {
-    Eigen::Map<Vector>(y_out, vertices_) = solver_.solve(Eigen::Map<const Vector>(x_in, vertices_));
-  }
-
- private:
-  int vertices_;
-  const GroundedLaplacian& solver_;
-};
 
 // Fills in value, residual and sign for a vector near the Fiedler vector.
 AlgebraicConnectivity measure(Vector x, const std::vector<LaplacianEdge>& edges, EigenSolver solver) {
