@@ -10,6 +10,7 @@
 #include "core/merge/degree_min.h"
 #include "core/merge/quick_connect.h"
 #include "core/merge/random_pairs.h"
+#include "core/merge/spectral.h"
 
 namespace mapweld {
 namespace {
@@ -58,7 +59,8 @@ void Merger::resume(MergeState state) {
 
 const std::vector<std::string_view>& merge_methods() {
   static const std::vector<std::string_view> methods{QuickConnect::kName,     BruteForce::kName, RandomPairs::kName,
-                                                     RandomCandidates::kName, DegreeMin::kName,  Alignment::kName};
+                                                     RandomCandidates::kName, DegreeMin::kName,  Alignment::kName,
+                                                     Spectral::kName};
   return methods;
 }
 
@@ -74,6 +76,7 @@ std::unique_ptr<Merger> make_merger(MergeInput input) {
   if (method == RandomPairs::kName) return std::make_unique<RandomPairs>(std::move(input));
   if (method == RandomCandidates::kName) return std::make_unique<RandomCandidates>(std::move(input));
   if (method == Alignment::kName) return std::make_unique<Alignment>(std::move(input));
+  if (method == Spectral::kName) return std::make_unique<Spectral>(std::move(input));
   if (method == DegreeMin::kName) return std::make_unique<DegreeMin>(std::move(input));
   throw std::invalid_argument("no merge method is called \"" + method + "\"");
 }

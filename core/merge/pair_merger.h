@@ -31,6 +31,10 @@ class PairMerger : public Merger {
   const VoteSource& votes() const { return *votes_; }
   VertexId source(std::uint32_t row) const { return input_.members[pair_.m2].vertices[row]; }
   VertexId target(std::uint32_t column) const { return input_.members[pair_.m1].vertices[column]; }
+  const std::vector<VertexId>& sources() const { return input_.members[pair_.m2].vertices; }  // by row
+  const std::vector<VertexId>& targets() const { return input_.members[pair_.m1].vertices; }  // by column
+  bool is_source(VertexId vertex) const { return member_of_[to_index(vertex)] == pair_.m2; }
+  bool is_target(VertexId vertex) const { return member_of_[to_index(vertex)] == pair_.m1; }
   std::uint32_t row(VertexId source) const { return position_[to_index(source)]; }
   std::uint32_t column(VertexId target) const { return position_[to_index(target)]; }
   // Takes up the pair of members that a state to be resumed is at, with a fresh search. Throws FormatError for a number
@@ -48,6 +52,9 @@ class PairMerger : public Merger {
   bool verify(const Candidate& candidate);
   // The same for a candidate of any pair whose votes are final.
   bool verify_final(const Candidate& candidate);
+
+  // Whether there is a verdict on this pair from before the maps grew.
+  bool is_known(VertexId u, VertexId v) const { return known_.contains(pair_key(u, v)); }
 
   // The candidates of the pair in hand that are still to be verified, once all its votes are in; they may hold some
   // whose verdict is known from before the maps grew. By default: the rest of L.
