@@ -70,8 +70,20 @@ std::string describe(const contract::Merge& merge) {
     lines.emplace_back("joined in " + member.map, count_text(member.vertices, "vertex", "vertices"));
   }
   lines.emplace_back("independent joins", std::to_string(merge.independent_joins));
-  if (merge.certified_fraction) lines.emplace_back("certified fraction", number_text(*merge.certified_fraction));
-  if (merge.estimated_fraction) lines.emplace_back("estimated fraction", number_text(*merge.estimated_fraction));
+  if (merge.pairs.size() > 1) {
+    for (const contract::MemberPair& pair : merge.pairs) {
+      lines.emplace_back(pair.maps.front() + " and " + pair.maps.back(),
+                         pair.verdict + ": " + std::to_string(pair.verified) + " verified, " +
+                             std::to_string(pair.confirmed) + " confirmed, " + std::to_string(pair.independent_joins) +
+                             " independent joins");
+    }
+  }
+  if (merge.certified_fraction) {
+    lines.emplace_back("of what can be reached", "at least " + number_text(100 * *merge.certified_fraction) +
+                                                     " %, by estimate " +
+                                                     number_text(100 * merge.estimated_fraction.value_or(0)) + " %");
+    lines.emplace_back("could still join", count_text(merge.joinable_vertices.value_or(0), "vertex", "vertices"));
+  }
   lines.emplace_back("time", duration_text(merge.elapsed_s));
   const contract::Json budget = merge.budget;
   lines.emplace_back("budget", budget.empty() ? "none" : contract::dump(budget));

@@ -15,8 +15,8 @@
 namespace mapweld::contract {
 
 // The contract's words for methods, states and phases. A server may offer fewer methods.
-inline constexpr std::array<std::string_view, 6> kMergeMethods = {"quickconnect", "brute-force", "random",
-                                                                  "degree-min",   "alignment",   "spectral"};
+inline constexpr std::array<std::string_view, 7> kMergeMethods = {
+    "quickconnect", "brute-force", "random", "random-candidates", "degree-min", "alignment", "spectral"};
 inline constexpr std::array<std::string_view, 7> kMergeStates = {"queued",    "running",   "paused", "budget_exhausted",
                                                                  "completed", "cancelled", "failed"};
 inline constexpr std::array<std::string_view, 5> kMergePhases = {"voting", "exploration", "verification", "refinement",

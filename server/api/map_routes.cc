@@ -77,12 +77,13 @@ void add_map_routes(Router& router, const Services& services) {
        }});
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/edges",
-              .query = list_query({"min_inliers", "kind"}),
+              .query = list_query({"min_inliers", "kind", "confirmed"}),
               .handler = [&maps](const Request& request) {
                 MapService::EdgeQuery query;
                 query.min_inliers =
                     static_cast<std::uint32_t>(request.query.integer("min_inliers", 0, 65535).value_or(0));
                 query.inter = inter_in_query(request);
+                query.confirmed = request.query.boolean("confirmed");
                 return json_reply(200, maps.edges(request.parameter("map"), query, page_of(request)));
               }});
   router.add({.method = "GET",

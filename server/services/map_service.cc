@@ -195,7 +195,7 @@ contract::Page<contract::Edge> MapService::edges(const std::string& map_name, co
   const ReadTransaction db = store_.read();
   const MapRow map = require_map(db, map_name);
   const EdgePage found =
-      list_edges(db, load_layout(db, map.id), {.min_inliers = query.min_inliers, .inter = query.inter}, page.limit,
+      list_edges(db, load_layout(db, map.id), {.min_inliers = query.min_inliers, .inter = query.inter, .confirmed = query.confirmed}, page.limit,
                  parse_edge_cursor(page.cursor));
   contract::Page<contract::Edge> out;
   for (const EdgeRow& edge : found.edges) out.items.push_back(describe_edge(edge));
