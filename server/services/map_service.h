@@ -56,8 +56,8 @@ class MapService {
 
   struct EdgeQuery {
     std::uint32_t min_inliers = 0;
-    std::optional<bool> inter;      // only inter-map or only inner edges
-    std::optional<bool> confirmed;  // only confirmed edges, or only those that the alias guard withholds
+    std::optional<bool> inter = {};      // only inter-map or only inner edges
+    std::optional<bool> confirmed = {};  // only confirmed edges, or only those that the alias guard withholds
   };
   contract::Page<contract::Edge> edges(const std::string& map, const EdgeQuery& query, const PageRequest& page) const;
 

@@ -170,7 +170,7 @@ void CheckpointInExploration(benchmark::State& state) {
 void CheckpointInRefinement(benchmark::State& state) {
   const auto merger = make_merger(maps_of(state));
   run(*merger, {});
-  const blobs::MergeStateMark mark{MergePhase::kRefinement, merger->state().rejected.size() - 100};
+  const blobs::MergeStateMark mark{.phase = MergePhase::kRefinement, .rejected = merger->state().rejected.size() - 100};
   std::size_t bytes = 0;
   for (auto _ : state) {
     bytes = 0;

@@ -1,9 +1,9 @@
 // A merge that was killed with SIGKILL at random moments ends exactly like one that was never interrupted.
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <chrono>
 #include <thread>
+
+#include <gtest/gtest.h>
 
 #include "client/client.h"
 #include "schema/data_folder.h"
@@ -119,8 +119,12 @@ TEST_P(CrashResume, TwentyKillsChangeNothing) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, CrashResume, ::testing::Values("quickconnect", "brute-force"),
-                         [](const auto& info) { return info.param == std::string("quickconnect") ? "QuickConnect" : "BruteForce"; });
+INSTANTIATE_TEST_SUITE_P(Methods, CrashResume, ::testing::Values("quickconnect", "brute-force", "spectral"),
+                         [](const auto& info) {
+                           std::string name = info.param;
+                           std::erase(name, '-');
+                           return name;
+                         });
 
 }  // namespace
 }  // namespace mapweld::testing

@@ -41,7 +41,7 @@ class MergeStoreTest : public testing::Test {
   MergeRow row(JobId job) { return find_merge(store_.read(), job).value(); }
 
   NewEdge edge(std::uint32_t u, std::uint32_t v) {
-    return {VertexId{u}, VertexId{v}, 50, test::random_verification(random_, 20, 400, 400), true, u + v, 0.25};
+    return {VertexId{u}, VertexId{v}, 50, test::random_verification(random_, 20, 400, 400), Reason::kNone, u + v, 0.25};
   }
 
   // Saves one part, edges and a point of the curve.

@@ -66,6 +66,44 @@ TEST(FractionOfAMerge, IsNeverCertifiedTooHigh) {
   }
 }
 
+// Over many merges: where the estimate says 60 to 80 %, or 80 to 100 %, that is about what turns out to be true.
+TEST(FractionOfAMerge, TheEstimateIsCalibrated) {
+  struct Bin {
+    double told = 0, true_fraction = 0;
+    int count = 0;
+  };
+  std::map<int, Bin> bins;
+  for (std::uint32_t seed = 0; seed < 40; ++seed) {
+    for (const char* method : {"random-candidates", "spectral"}) {
+      test::ToyWorld world = larger(seed, method);
+      world.seed = 100 + seed;
+      const MergeInput input = make_toy_merge(world);
+      const auto whole = make_merger(input);
+      run(*whole, {});
+      const auto merger = make_merger(input);
+      for (std::uint64_t next = 40; !merger->done(); next += 40) {
+        run(*merger, stop_at_verifications(next));
+        const std::optional<Certificate> now = certify(*merger);
+        if (!now || merger->done()) continue;
+        const LargestComponentConnectivity largest = largest_component_connectivity(merger->graph());
+        const double at_end = algebraic_connectivity(induced_subgraph(whole->graph(), largest.vertices)).value;
+        if (at_end == 0) continue;
+        Bin& bin = bins[static_cast<int>(now->estimated_fraction * 5)];
+        bin.told += now->estimated_fraction;
+        bin.true_fraction += largest.connectivity.value / at_end;
+        ++bin.count;
+      }
+    }
+  }
+  int judged = 0;
+  for (const auto& [fifth, bin] : bins) {
+    if (bin.count < 40) continue;
+    ++judged;
+    EXPECT_NEAR(bin.told / bin.count, bin.true_fraction / bin.count, 0.1) << "fifth " << fifth << ", " << bin.count;
+  }
+  EXPECT_GE(judged, 2);
+}
+
 TEST(FractionOfAMerge, TheOpenCandidatesAreThoseThatAreVerifiedLater) {
   for (const std::string_view method : merge_methods()) {
     const MergeInput input = make_toy_merge(larger(3, method));
