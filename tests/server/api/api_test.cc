@@ -202,10 +202,87 @@ TEST(Api, WhatIsNotThereYetSaysSo) {
   }
   EXPECT_EQ(api.post("/v1/backups", "").status, 501);
   EXPECT_EQ(api.get("/v1/merges/9/events").code(), "no_such_merge");
-  for (const char* method : {"random", "degree-min", "alignment", "spectral"}) {
-    EXPECT_EQ(api.post("/v1/merges", R"({"maps":["a","b"],"name":"x","method":")" + std::string(method) + "\"}").code(),
-              "unknown_method");
+}
+
+TEST(Api, MergesByEveryMethodWithTheSameEdges) {
+  ApiUnderTest api;
+  for (const char* map : {"a", "b"}) {
+    api.services().create_map(map);
+    for (int step = 0; step < 4; ++step) api.services().upload(map, std::to_string(step), photo_jpeg(1, step));
   }
+  std::int64_t id = 0;
+  std::set<std::pair<int, int>> expected;
+  for (const std::string_view method : contract::kMergeMethods) {
+    const std::string name = "by-" + std::string(method);
+    const Answer answer = api.post(
+        "/v1/merges", R"({"maps":["a","b"],"name":")" + name + R"(","method":")" + std::string(method) + "\"}");
+    ASSERT_EQ(answer.status, 202) << answer.body;
+    const contract::Json done = api.finished_merge(++id);
+    EXPECT_EQ(done["state"], "completed") << method;
+    EXPECT_EQ(done["certified_fraction"], 1.0) << method;
+    EXPECT_EQ(done["pairs"].size(), 1u);
+    if (method == "alignment") continue;  // the one with candidates of its own
+    std::set<std::pair<int, int>> edges;
+    const contract::Json listed = api.get("/v1/merges/" + std::to_string(id) + "/edges").json();
+    for (const contract::Json& edge : listed["items"]) edges.emplace(edge["u"], edge["v"]);
+    if (expected.empty()) expected = edges;
+    EXPECT_EQ(edges, expected) << method;
+  }
+  EXPECT_GT(expected.size(), 3u);
+}
+
+TEST(Api, MergesSeveralMapsAsTheyGrowUnderTheAliasGuard) {
+  ApiUnderTest api;
+  for (const char* map : {"a", "b", "c"}) {
+    api.services().create_map(map);
+    for (int step = 0; step < 3; ++step) api.services().upload(map, std::to_string(step), photo_jpeg(1, step));
+  }
+  api.services().create_map("elsewhere");
+  for (int step = 0; step < 3; ++step) api.services().upload("elsewhere", std::to_string(step), photo_jpeg(2, step));
+  const Answer answer =
+      api.post("/v1/merges", R"({"maps":["a","b","c","elsewhere"],"name":"all","parameters":{"alias_guard":true}})");
+  ASSERT_EQ(answer.status, 202) << answer.body;
+  contract::Json done = api.finished_merge(1);
+  EXPECT_EQ(done["state"], "completed") << done;
+  ASSERT_EQ(done["pairs"].size(), 6u);
+  for (const contract::Json& pair : done["pairs"]) {
+    const bool is_elsewhere = pair["maps"][1] == "elsewhere";
+    EXPECT_EQ(pair["verdict"] == "not_joined", is_elsewhere) << pair;
+  }
+  // Two layers: what is not confirmed is listed with its reason; together they are all that was accepted.
+  const contract::Json doubted = api.get("/v1/maps/all/edges?kind=inter&confirmed=false&limit=1000").json()["items"];
+  const contract::Json standing = api.get("/v1/maps/all/edges?kind=inter&confirmed=true&limit=1000").json()["items"];
+  EXPECT_EQ(doubted.size() + standing.size(), done["edges"].get<std::size_t>());
+  for (const contract::Json& edge : doubted) {
+    EXPECT_EQ(edge["confirmed"], false);
+    EXPECT_THAT(edge["reason"].get<std::string>(), ::testing::AnyOf("unsupported", "ambiguous"));
+  }
+  for (const contract::Json& edge : standing) EXPECT_FALSE(edge.contains("reason"));
+  // Growth: nothing to resume before, new vertices after.
+  EXPECT_EQ(api.post("/v1/merges/1/resume", "").code(), "nothing_to_resume");
+  api.services().upload("b", "later", photo_jpeg(1, 3));
+  EXPECT_EQ(api.get("/v1/maps/all").json()["vertices"], 12);
+  EXPECT_EQ(api.post("/v1/merges/1/resume", "").status, 202);
+  done = api.finished_merge(1);
+  EXPECT_EQ(done["state"], "completed") << done;
+  EXPECT_EQ(api.get("/v1/maps/all").json()["vertices"], 13);
+  EXPECT_EQ(api.get("/v1/maps/all/vertices/12").json()["name"], "later");
+  EXPECT_EQ(api.post_image("/v1/maps/all/localize", photo_jpeg(1, 3)).json()["status"], "localized");
+}
+
+TEST(Api, AFractionOfTheMaximumIsABudget) {
+  ApiUnderTest api;
+  for (const char* map : {"a", "b"}) {
+    api.services().create_map(map);
+    for (int step = 0; step < 3; ++step) api.services().upload(map, std::to_string(step), photo_jpeg(1, step));
+  }
+  for (const char* budget : {R"({"fraction_of_maximum":0.9})", R"({"fraction_of_maximum":1,"certified":true})"}) {
+    EXPECT_EQ(api.post("/v1/merges", R"({"maps":["a","b"],"budget":)" + std::string(budget) + R"(,"name":"ab)" +
+                                         std::to_string(std::string(budget).size()) + "\"}")
+                  .status,
+              202);
+  }
+  EXPECT_EQ(api.finished_merge(1)["state"], "completed") << "fewer candidates than are verified before the first test";
 }
 
 // Every path of the router is in docs/openapi.json and the other way round, with its method and query parameters.

@@ -5,8 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include "core/merge/alias_guard.h"
 #include "core/merge/merge_metrics.h"
 #include "core/merge/run.h"
+#include "schema/edge_store.h"
 #include "schema/map_store.h"
 #include "tests/server/jobs/stored_toy_maps.h"
 
@@ -251,6 +253,48 @@ TEST(MergeJobs, TakeAMergedMapForAMember) {
   run(*merger, {});
   EXPECT_EQ(test::stored_state(store, abc.id), merger->state());
   EXPECT_GT(merger->state().edges.size(), 20u);
+}
+
+// Also when it is stopped and resumed in between: confirmations may have changed by then.
+TEST(MergeJobs, ConfirmWhatTheAliasGuardConfirms) {
+  ToyWorld world = test::toy_world(19);
+  world.sizes = {40, 30};
+  test::TempStore store;
+  test::store_toy_maps(store, world);
+  MergeJobs jobs(store, test::job_options(std::make_shared<test::HashVerifier>(world.accept_share)));
+  jobs.start();
+  MergeRequest request = test::request_of(world);
+  request.parameters.alias_guard = true;
+  request.budget.edges = 60;
+  const std::int64_t id = jobs.submit(request).id;
+  for (const bool whole : {false, true}) {
+    if (whole) jobs.resume(id, std::nullopt);
+    const MergeStatus s = jobs.wait(id, kLong);
+    ASSERT_EQ(s.state, whole ? JobState::kCompleted : JobState::kBudgetExhausted) << s.error.value_or("");
+    const MergeState state = test::stored_state(store, id);
+    const MergeInput input = test::make_toy_merge(world);
+    const auto verdicts = guard_edges(input.members, input.inner_edges, state.edges, *input.appearances);
+    const std::vector<EdgeRow> rows = list_merge_edges(store.read(), JobId{id}, 10000);
+    ASSERT_EQ(rows.size(), verdicts.size());
+    AppearanceGraph graph(70, input.inner_edges);
+    std::vector<MergeEdge> standing;
+    for (std::size_t e = 0; e < rows.size(); ++e) {
+      EXPECT_EQ(rows[e].confirmed, verdicts[e].confirmed());
+      EXPECT_EQ(rows[e].doubt, std::string(to_string(verdicts[e].reason)));
+      if (!verdicts[e].confirmed()) continue;
+      standing.push_back(state.edges[e]);
+      graph.add_edge(rows[e].u, rows[e].v, rows[e].inliers);
+    }
+    EXPECT_LT(standing.size(), rows.size()) << "edges at random are not what a guard confirms";
+    const MergeMetrics metrics = merge_metrics(graph, input.members, standing);
+    EXPECT_EQ(s.components, metrics.components);
+    EXPECT_EQ(s.independent_joins, metrics.independent_joins);
+    EXPECT_EQ(s.pairs.at(0).summary.confirmed, standing.size());
+    EXPECT_EQ(s.edges, rows.size());
+    if (whole) {
+      EXPECT_EQ(s.certified_fraction, 1.0);
+    }
+  }
 }
 
 }  // namespace
