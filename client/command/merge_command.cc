@@ -63,7 +63,7 @@ void add_merge_command(CLI::App& app, Context& context) {
       ->required()
       ->expected(2, 1000);
   command->add_option("--name", options->submit.name, "The merged map's name (default: the members' joined by \"_\")");
-  command->add_option("--method", options->submit.method, "How the pairs are gone through (default: quickconnect)")
+  command->add_option("--method", options->submit.method, "How the pairs are gone through (default: spectral)")
       ->check(CLI::IsMember(std::vector<std::string>(contract::kMergeMethods.begin(), contract::kMergeMethods.end())));
   command->add_option("--seed", options->submit.seed, "Of the methods that draw at random")
       ->check(CLI::NonNegativeNumber);
