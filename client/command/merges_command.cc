@@ -56,7 +56,6 @@ std::string describe(const contract::Merge& merge) {
       {"method", merge.method + ", seed " + std::to_string(merge.seed)},
       {"state", merge.state + (merge.stop_reason ? " (" + *merge.stop_reason + ")" : std::string())},
       {"phase", merge.phase + ", step " + std::to_string(merge.step)},
-      {"words", std::to_string(merge.words.done) + " of " + std::to_string(merge.words.total)},
       {"candidates", std::to_string(merge.candidates.verified) + " of " + std::to_string(merge.candidates.known) +
                          " verified, " + std::to_string(merge.candidates.accepted) + " accepted"},
       {"edges between the maps", std::to_string(merge.edges)},
@@ -66,6 +65,10 @@ std::string describe(const contract::Merge& merge) {
                                      number_text(merge.largest_component.algebraic_connectivity) +
                                      " of the largest component"},
   };
+  if (merge.words.total > 0) {
+    lines.emplace(lines.begin() + 4, "words",
+                  std::to_string(merge.words.done) + " of " + std::to_string(merge.words.total));
+  }
   for (const contract::Joined& member : merge.joined) {
     lines.emplace_back("joined in " + member.map, count_text(member.vertices, "vertex", "vertices"));
   }
