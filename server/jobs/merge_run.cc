@@ -146,10 +146,13 @@ class Run {
     measured_edges_ = state.edges.size();
     progress_.metrics = watch_->metrics();
     progress_.members = watch_->members();
+    progress_.certified = watch_->certified();
     if (had_new_edges) metrics_cost_s_ = elapsed_s() - began_s;
     measured_phase_ = state.phase;
-    metrics_pacer_.set_interval(std::clamp(
-        began_s * kMetricsShareOfPast, std::min(kLeastMetricsInterval_s, metrics_interval_s_), metrics_interval_s_));
+    const double interval_s = std::clamp(began_s * kMetricsShareOfPast,
+                                         std::min(kLeastMetricsInterval_s, metrics_interval_s_), metrics_interval_s_);
+    metrics_pacer_.set_interval(interval_s);
+    certificate_pacer_.set_interval(interval_s);
     metrics_pacer_.done(began_s, elapsed_s());
   }
 

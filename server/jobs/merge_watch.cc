@@ -1,6 +1,7 @@
 #include "server/jobs/merge_watch.h"
 
 #include <algorithm>
+#include <span>
 
 #include "core/merge/fraction_stop.h"
 
@@ -35,22 +36,26 @@ AppearanceGraph MergeWatch::confirmed_graph() const {
 void MergeWatch::measure_edges(bool exact) {
   const MergeState& state = merger_.state();
   const std::vector<MergeMember>& members = merger_.input().members;
-  members_ = member_table(members, state.edges, state.rejected, confirmed(), merger_.done());
-  if (!exact && measured_edges_ == state.edges.size()) return;
-  judge();
-  measured_edges_ = state.edges.size();
-  if (!guards_) {
-    metrics_ = exact ? merge_metrics(merger_.graph(), members, state.edges)
-                     : follower_.measure(merger_.graph(), members, state.edges);
-    members_ = member_table(members, state.edges, state.rejected, {}, merger_.done());
-    return;
+  if (exact || measured_edges_ != state.edges.size()) {
+    judge();
+    measured_edges_ = state.edges.size();
+    const auto measure = [&](const AppearanceGraph& graph, std::span<const MergeEdge> edges) {
+      return exact ? merge_metrics(graph, members, edges) : follower_.measure(graph, members, edges);
+    };
+    if (guards_) {
+      std::vector<MergeEdge> standing;
+      for (std::size_t e = 0; e < state.edges.size(); ++e) {
+        if (doubts_[e] == Reason::kNone) standing.push_back(state.edges[e]);
+      }
+      metrics_ = measure(confirmed_graph(), standing);
+    } else {
+      metrics_ = measure(merger_.graph(), state.edges);
+    }
+    // An older certificate still holds while edges come to the same component; for another one it says nothing, nor
+    // when edges may have been taken back.
+    const std::pair now{metrics_.components, metrics_.largest_vertices};
+    if (guards_ || certified_for_ != now) certified_.reset();
   }
-  std::vector<MergeEdge> standing;
-  for (std::size_t e = 0; e < state.edges.size(); ++e) {
-    if (doubts_[e] == Reason::kNone) standing.push_back(state.edges[e]);
-  }
-  const AppearanceGraph graph = confirmed_graph();
-  metrics_ = exact ? merge_metrics(graph, members, standing) : follower_.measure(graph, members, standing);
   members_ = member_table(members, state.edges, state.rejected, confirmed(), merger_.done());
 }
 
@@ -74,6 +79,7 @@ void MergeWatch::measure_certificate() {
   } else {
     certificate = certify(merger_.graph(), *open);
   }
+  certified_for_ = {metrics_.components, metrics_.largest_vertices};
   certified_ = Certified{certificate.certified_fraction, certificate.estimated_fraction, certificate.joinable_vertices};
 }
 

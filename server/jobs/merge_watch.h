@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/merge/alias_guard.h"
@@ -22,9 +23,10 @@ class MergeWatch {
   // ones.
   MergeWatch(const Merger& merger, bool guards) : merger_(merger), guards_(guards) {}
 
-  // Measures what can have changed since the last time. With `exact` every number is computed anew: how often it was
-  // asked before then leaves no trace in the last digits.
+  // Measures what can have changed since the last time; a certificate that no longer says anything is forgotten. With
+  // `exact` every number is computed anew: how often it was asked before then leaves no trace in the last digits.
   void measure_edges(bool exact);
+  // To be called after measure_edges, for the same edges.
   void measure_certificate();
 
   const MergeMetrics& metrics() const { return metrics_; }
@@ -47,11 +49,12 @@ class MergeWatch {
   MergeMetricsFollower follower_;
   MergeMetrics metrics_;
   std::optional<Certified> certified_;
+  std::pair<std::uint32_t, std::uint32_t> certified_for_;  // components, vertices of the largest
   std::vector<MemberPairSummary> members_;
   std::optional<std::size_t> measured_edges_;
   std::optional<AliasGuard> guard_;  // made when there is an edge to judge
   std::vector<Reason> doubts_;       // guards: by edge
-  std::vector<Reason> told_;    // as changed_doubts told them last
+  std::vector<Reason> told_;         // as changed_doubts told them last
 };
 
 }  // namespace mapweld::server

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/graph/components.h"
 #include "core/merge/alias_guard.h"
 #include "core/merge/merge_metrics.h"
 #include "core/merge/run.h"
@@ -141,6 +142,9 @@ TEST(MergeJobs, DrawACurveFromTheFirstStepToTheLast) {
   }
   // Every value belongs to the edges of its moment: the same prefix of the merge gives it again.
   const auto merger = make_merger(test::make_toy_merge(world));
+  const auto whole = make_merger(test::make_toy_merge(world));
+  run(*whole, {});
+  int certified_points = 0;
   for (const MergeCurvePoint& point : curve.items) {
     run(*merger, stop_when_merger([&](const Merger& m) { return m.state().step >= point.step; }, StopReason::kPaused));
     const MergeMetrics metrics = merge_metrics(merger->graph(), merger->input().members, merger->state().edges);
@@ -149,7 +153,14 @@ TEST(MergeJobs, DrawACurveFromTheFirstStepToTheLast) {
     EXPECT_NEAR(point.largest_component.algebraic_connectivity, metrics.largest_algebraic_connectivity,
                 1e-6 * metrics.largest_algebraic_connectivity);
     EXPECT_EQ(point.verifications, merger->state().verifications);
+    // No certificate says more than came true on the component that it was about.
+    if (!point.certified_fraction) continue;
+    const LargestComponentConnectivity now = largest_component_connectivity(merger->graph());
+    const double at_end = algebraic_connectivity(induced_subgraph(whole->graph(), now.vertices)).value;
+    EXPECT_LE(*point.certified_fraction * at_end, now.connectivity.value * (1 + 1e-9));
+    ++certified_points;
   }
+  EXPECT_GT(certified_points, 0);
   // Pages follow one another.
   const Page<MergeCurvePoint> first = jobs.curve(s.id, 2, std::nullopt);
   ASSERT_TRUE(first.next);
