@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <stdexcept>
 
 #include "core/vocabulary/appearance_vector.h"
 
@@ -78,6 +79,9 @@ EdgeOverlap edge_overlap(const AppearanceVector& a, const AppearanceVector& b,
                          std::span<const std::pair<std::uint16_t, std::uint16_t>> inlier_matches) {
   Moments m;
   for (const auto& [i, j] : inlier_matches) {
+    if (i >= a.appearances.size() || j >= b.appearances.size()) {
+      throw std::invalid_argument("an edge's matches are not of its images");
+    }
     const std::int64_t x = on_grid(a.appearances[i].x_px), y = on_grid(a.appearances[i].y_px);
     const std::int64_t u = on_grid(b.appearances[j].x_px), v = on_grid(b.appearances[j].y_px);
     ++m.n;

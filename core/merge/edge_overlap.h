@@ -24,7 +24,8 @@ struct EdgeOverlap {
   double spread = 0;
 };
 
-// `inlier_matches`: indices into a.appearances and b.appearances. O(matches + features).
+// `inlier_matches`: indices into a.appearances and b.appearances; std::invalid_argument for one that is beyond them (a
+// damaged store). O(matches + features).
 EdgeOverlap edge_overlap(const AppearanceVector& a, const AppearanceVector& b,
                          std::span<const std::pair<std::uint16_t, std::uint16_t>> inlier_matches);
 

@@ -270,6 +270,7 @@ TEST(MergeJobs, TakeAMergedMapForAMember) {
 TEST(MergeJobs, ConfirmWhatTheAliasGuardConfirms) {
   ToyWorld world = test::toy_world(19);
   world.sizes = {40, 30};
+  world.words_per_image = 24;  // the verifier's matches name the first twenty
   test::TempStore store;
   test::store_toy_maps(store, world);
   MergeJobs jobs(store, test::job_options(std::make_shared<test::HashVerifier>(world.accept_share)));
