@@ -32,8 +32,6 @@ class VerificationAhead {
   // be read for (u, v) throws.
   Verification take(VertexId u, VertexId v, const Upcoming& upcoming);
 
-  std::uint64_t verified() const { return verified_; }  // pairs put to the verifier so far, those never asked for too
-
  private:
   Verification verify(VertexId u, VertexId v) const;
   void verify_batch(VertexId u, VertexId v, const Upcoming& upcoming);
@@ -41,7 +39,6 @@ class VerificationAhead {
   const MergeInput& input_;
   std::unordered_map<std::uint64_t, Verification> verdicts_;  // by both ends
   std::vector<Candidate> candidates_;                         // scratch
-  std::uint64_t verified_ = 0;
 };
 
 // Both ends of a pair as one number; the same for (u, v) and (v, u).
