@@ -50,6 +50,14 @@ struct Features {
   friend bool operator==(const Features&, const Features&) = default;
 };
 
+// A SIFT descriptor in 128 bits: which of its components are greater than their median (Zhou et al., "Scalar
+// quantization for large scale image search", ACM Multimedia 2012). The Hamming distance of two signatures follows the
+// distance of the descriptors. That of a descriptor is never zero; zero says that it is not known.
+struct Signature {
+  std::array<std::uint32_t, 4> bits{};
+  friend auto operator<=>(const Signature&, const Signature&) = default;
+};
+
 // The appearance of a visual word in an image (paper, section III).
 // Its coordinates lie on the grid of `snap_to_grid` (core/vocabulary/appearance_vector.h), so that what is stored in
 // a compact blob and read back is bit for bit what was verified at ingest.
@@ -59,10 +67,12 @@ struct Appearance {
   float y_px = 0;
   float scale_px = 0;
   float angle_deg = 0;
+  Signature signature{};  // all appearances of an image have one, or none has
   friend auto operator<=>(const Appearance&, const Appearance&) = default;
 };
 
-// The paper's sparse appearance vector v_q of one image: its appearances, sorted by (word, x, y, scale, angle).
+// The paper's sparse appearance vector v_q of one image: its appearances, sorted by (word, x, y, scale, angle,
+// signature).
 struct AppearanceVector {
   int width_px = 0;
   int height_px = 0;
@@ -98,7 +108,7 @@ enum class Reason : std::uint8_t {
   kNoCandidate,     // no image of the map shares enough words
   kTooFewInliers,   // fewer than min_inliers matches agree on one geometry
   kNotSignificant,  // enough inliers, but chance explains them (number of false alarms too high)
-  kInconsistent,    // inliers fall apart under spatial consistency
+  kInconsistent,    // inliers fall apart under spatial consistency, or nothing around them matches
   kUnsupported,     // verified, but not confirmed by its neighbourhood (alias guard)
   kAmbiguous,       // verified, but so is a place elsewhere, and nothing decides between them (alias guard)
 };

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/vocabulary/signature.h"
+
 namespace mapweld {
 namespace {
 
@@ -23,10 +25,16 @@ AppearanceVector make_appearance_vector(const Features& features, std::span<cons
   if (words.size() != features.keypoints.size()) {
     throw std::invalid_argument("make_appearance_vector: as many words as keypoints are needed");
   }
+  const std::span<const std::uint8_t> descriptors = features.descriptors;
+  const bool has_descriptors = descriptors.size() == words.size() * kDescriptorDimension;
   AppearanceVector image{features.width_px, features.height_px, {}};
   image.appearances.reserve(words.size());
   for (std::size_t i = 0; i < words.size(); ++i) {
     image.appearances.push_back(snap_to_grid(words[i], features.keypoints[i]));
+    if (has_descriptors) {
+      image.appearances.back().signature =
+          signature_of(descriptors.subspan(i * kDescriptorDimension).first<kDescriptorDimension>());
+    }
   }
   std::sort(image.appearances.begin(), image.appearances.end());
   return image;

@@ -13,10 +13,11 @@ inline constexpr float kPositionsPerPixel = 8.0f;
 inline constexpr float kScalesPerPixel = 64.0f;
 inline constexpr float kAnglesPerDegree = 65536.0f / 360.0f;
 
-// The keypoint with word `word`, snapped to the grid.
+// The keypoint with word `word`, snapped to the grid; without a signature.
 Appearance snap_to_grid(WordId word, const Keypoint& keypoint);
 
-// One appearance a feature, snapped, sorted. `words[i]` belongs to `features.keypoints[i]`.
+// One appearance a feature, snapped, sorted; with the signatures of the descriptors, if there are any. `words[i]`
+// belongs to `features.keypoints[i]`.
 AppearanceVector make_appearance_vector(const Features& features, std::span<const WordId> words);
 
 }  // namespace mapweld

@@ -1,5 +1,6 @@
 #include "schema/blobs/appearance_blob.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/errors.h"
@@ -9,7 +10,8 @@ namespace mapweld::blobs {
 namespace {
 
 constexpr char kFormat = 'A';
-constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kWithoutSignatures = 1;
+constexpr std::uint8_t kWithSignatures = 2;
 
 float from_grid(std::uint16_t value, float steps_per_unit) { return static_cast<float>(value) / steps_per_unit; }
 
@@ -39,8 +41,10 @@ Head read_head(ByteReader& reader) {
 
 Bytes encode_appearances(const AppearanceVector& image) {
   if (image.width_px < 0 || image.height_px < 0) throw FormatError("an image has a negative size");
-  ByteWriter writer(kFormat, kVersion);
-  writer.reserve(16 + image.appearances.size() * 10);
+  const bool with_signatures =
+      std::ranges::any_of(image.appearances, [](const Appearance& a) { return a.signature != Signature{}; });
+  ByteWriter writer(kFormat, with_signatures ? kWithSignatures : kWithoutSignatures);
+  writer.reserve(16 + image.appearances.size() * (with_signatures ? 26 : 10));
   writer.varint(static_cast<std::uint64_t>(image.width_px));
   writer.varint(static_cast<std::uint64_t>(image.height_px));
   writer.varint(image.appearances.size());
@@ -55,11 +59,16 @@ Bytes encode_appearances(const AppearanceVector& image) {
   for (const Appearance& a : image.appearances) writer.u16(to_grid(a.y_px, kPositionsPerPixel));
   for (const Appearance& a : image.appearances) writer.u16(to_grid(a.scale_px, kScalesPerPixel));
   for (const Appearance& a : image.appearances) writer.u16(to_grid(a.angle_deg, kAnglesPerDegree));
+  if (with_signatures) {
+    for (const Appearance& a : image.appearances) {
+      for (const std::uint32_t word : a.signature.bits) writer.u32(word);
+    }
+  }
   return std::move(writer).finish();
 }
 
 AppearanceVector decode_appearances(std::span<const std::uint8_t> blob) {
-  ByteReader reader(blob, kFormat, kVersion);
+  ByteReader reader(blob, kFormat, kWithSignatures);
   const Head head = read_head(reader);
   AppearanceVector image;
   image.width_px = head.width_px;
@@ -75,12 +84,17 @@ AppearanceVector decode_appearances(std::span<const std::uint8_t> blob) {
   for (Appearance& a : image.appearances) a.y_px = from_grid(reader.u16(), kPositionsPerPixel);
   for (Appearance& a : image.appearances) a.scale_px = from_grid(reader.u16(), kScalesPerPixel);
   for (Appearance& a : image.appearances) a.angle_deg = from_grid(reader.u16(), kAnglesPerDegree);
+  if (reader.version() == kWithSignatures) {
+    for (Appearance& a : image.appearances) {
+      for (std::uint32_t& word : a.signature.bits) word = reader.u32();
+    }
+  }
   reader.finish();
   return image;
 }
 
 void decode_words(std::span<const std::uint8_t> blob, std::vector<WordId>& words) {
-  ByteReader reader(blob, kFormat, kVersion);
+  ByteReader reader(blob, kFormat, kWithSignatures);
   const Head head = read_head(reader);
   words.resize(head.appearances);
   std::uint64_t word = 0;

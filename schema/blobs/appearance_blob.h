@@ -1,8 +1,9 @@
-// The appearance vector of one image as bytes: 9 to 10 bytes an appearance, exact.
+// The appearance vector of one image as bytes: 25 to 26 bytes an appearance with signatures, 9 to 10 without; exact.
 //
-// Frame 'A', version 1 (byte_stream.h). Payload: varint width_px, varint height_px, varint n; then n varints, each
-// word's distance from the word before it (from 0 for the first); then four columns of n little-endian u16: x and y in
-// 1/8 px, scale in 1/64 px, angle in 360/65536 degrees (the grid of core/vocabulary/appearance_vector.h).
+// Frame 'A', version 2 with signatures, 1 without (byte_stream.h). Payload: varint width_px, varint height_px, varint
+// n; then n varints, each word's distance from the word before it (from 0 for the first); then four columns of n
+// little-endian u16: x and y in 1/8 px, scale in 1/64 px, angle in 360/65536 degrees (the grid of
+// core/vocabulary/appearance_vector.h). Version 2 goes on with n signatures of four little-endian u32 each.
 #pragma once
 
 #include <cstdint>

@@ -30,6 +30,10 @@ class ByteWriter {
     bytes_.push_back(static_cast<std::uint8_t>(value));
     bytes_.push_back(static_cast<std::uint8_t>(value >> 8));
   }
+  void u32(std::uint32_t value) {
+    u16(static_cast<std::uint16_t>(value));
+    u16(static_cast<std::uint16_t>(value >> 16));
+  }
   void f64(double value);
   // 7 bits a byte, the lowest first; the high bit says that more follow.
   void varint(std::uint64_t value) {
@@ -69,6 +73,10 @@ class ByteReader {
     const auto value = static_cast<std::uint16_t>(at_[0] | at_[1] << 8);
     at_ += 2;
     return value;
+  }
+  std::uint32_t u32() {
+    const std::uint32_t low = u16();
+    return low | std::uint32_t{u16()} << 16;
   }
   double f64();
   std::uint64_t varint() {

@@ -64,7 +64,11 @@ class ZipfWords {
 
 AppearanceVector simulate(Random& random, const ZipfWords& words) {
   AppearanceVector image = test::random_appearances(random, 300 + static_cast<int>(random.below(201)), kWords);
-  for (Appearance& appearance : image.appearances) appearance.word = WordId{words.draw(random)};
+  for (Appearance& appearance : image.appearances) {
+    appearance.word = WordId{words.draw(random)};
+    for (auto& part : appearance.signature.bits)
+      part = static_cast<std::uint32_t>(random.below(std::uint64_t{1} << 32));
+  }
   std::ranges::sort(image.appearances);
   return image;
 }

@@ -33,10 +33,10 @@ void expect_damage_is_told(const Bytes& blob, Decode&& decode) {
 
 // Bytes under a correct checksum that mean nothing must be told too, and never crash.
 template <typename Decode>
-void expect_nonsense_is_survived(char format, Decode&& decode) {
+void expect_nonsense_is_survived(char format, Decode&& decode, std::uint8_t version = 1) {
   Random random(99);
   for (int i = 0; i < 20'000; ++i) {
-    ByteWriter writer(format, 1);
+    ByteWriter writer(format, version);
     const std::size_t count = random.below(40);
     for (std::size_t k = 0; k < count; ++k) {
       writer.u8(static_cast<std::uint8_t>(random.chance(0.5) ? random.below(4) : random.below(256)));
@@ -101,6 +101,24 @@ TEST(AppearanceBlob, EveryImageComesBackBitForBit) {
   EXPECT_LT(static_cast<double>(bytes) / static_cast<double>(appearances), 10.0);
 }
 
+TEST(AppearanceBlob, SignaturesComeBackWhereThereAreAny) {
+  Random random(2);
+  AppearanceVector image = test::random_appearances(random, 300, 50'000);
+  const Bytes without = encode_appearances(image);
+  for (Appearance& a : image.appearances) {
+    for (std::uint32_t& part : a.signature.bits)
+      part = static_cast<std::uint32_t>(random.below(std::uint64_t{1} << 32));
+  }
+  const Bytes with = encode_appearances(image);
+  EXPECT_EQ(decode_appearances(with), image);
+  EXPECT_EQ(with.size(), without.size() + 300 * 16);
+  EXPECT_EQ(without[1], 1) << "as versions before signatures wrote it";
+  EXPECT_EQ(with[1], 2);
+  std::vector<WordId> words;
+  decode_words(with, words);
+  EXPECT_TRUE(std::ranges::equal(words, image.appearances, {}, {}, &Appearance::word));
+}
+
 TEST(AppearanceBlob, TheEndsOfTheGridComeBack) {
   AppearanceVector image{8192, 8192, {}};
   for (const WordId word : {WordId{0}, WordId{UINT32_MAX}}) {
@@ -120,6 +138,8 @@ TEST(AppearanceBlob, DamageIsTold) {
   Random random(2);
   expect_damage_is_told(encode_appearances(test::random_appearances(random, 20, 1'000)), decode_appearances);
   expect_nonsense_is_survived('A', [](const Bytes& blob) { decode_appearances(blob); });
+  expect_nonsense_is_survived(
+      'A', [](const Bytes& blob) { decode_appearances(blob); }, 2);
   expect_nonsense_is_survived('A', [](const Bytes& blob) {
     std::vector<WordId> words;
     decode_words(blob, words);

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/vocabulary/random.h"
+#include "core/vocabulary/signature.h"
 
 namespace mapweld {
 namespace {
@@ -51,6 +52,29 @@ TEST(SnapToGrid, WhatLiesOutsideIsBroughtIn) {
   EXPECT_EQ(high.y_px, 65'535.0f / 8);
   EXPECT_EQ(high.scale_px, 65'535.0f / 64);
   EXPECT_EQ(high.angle_deg, 0) << "all the way around is no turn";
+}
+
+TEST(AppearanceVector, CarriesTheSignaturesOfTheDescriptors) {
+  SplitMix64 random(9);
+  Features features{320, 240, {}, {}};
+  std::vector<WordId> words;
+  for (std::uint32_t i = 0; i < 50; ++i) {
+    features.keypoints.push_back({static_cast<float>(i), 7, 4, 10});
+    for (int k = 0; k < kDescriptorDimension; ++k) {
+      features.descriptors.push_back(static_cast<std::uint8_t>(random.below(256)));
+    }
+    words.push_back(WordId{i * 37 % 50});
+  }
+  const AppearanceVector image = make_appearance_vector(features, words);
+  for (const Appearance& appearance : image.appearances) {
+    const auto i = static_cast<std::size_t>(appearance.x_px);
+    const std::span<const std::uint8_t> descriptors = features.descriptors;
+    EXPECT_EQ(appearance.signature, signature_of(descriptors.subspan(i * kDescriptorDimension).first<128>()));
+  }
+  features.descriptors.clear();
+  for (const Appearance& appearance : make_appearance_vector(features, words).appearances) {
+    EXPECT_EQ(appearance.signature, Signature{}) << "unknown without descriptors";
+  }
 }
 
 TEST(AppearanceVector, HasEveryFeatureOnceSortedByWord) {
