@@ -49,7 +49,8 @@ std::string reason_text(const std::string& reason) {
   if (reason == "no_candidate") return "they have too few visual words in common";
   if (reason == "too_few_inliers") return "too few matches agree on one geometry";
   if (reason == "not_significant") return "chance, or one small thing that both show, could explain the agreement";
-  if (reason == "inconsistent") return "the matches that agree do not keep their neighbours";
+  if (reason == "inconsistent")
+    return "the matches that agree do not keep their neighbours, or nothing around them matches";
   if (reason == "unsupported") return "verified, but what surrounds it does not confirm it";
   return printable(reason);
 }

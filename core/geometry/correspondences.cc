@@ -12,13 +12,13 @@ ImageFrame frame_of(const AppearanceVector& image) {
 }
 
 Correspondences make_correspondences(const AppearanceVector& a, const AppearanceVector& b,
-                                     const std::vector<WordMatch>& matches) {
+                                     const std::vector<FeatureMatch>& matches) {
   const ImageFrame fa = frame_of(a);
   const ImageFrame fb = frame_of(b);
   const std::size_t n = matches.size();
   Correspondences c;
   for (auto* column : {&c.xa, &c.ya, &c.xb, &c.yb, &c.m_re, &c.m_im, &c.ratio}) column->reserve(n);
-  for (const WordMatch& m : matches) {
+  for (const FeatureMatch& m : matches) {
     const Appearance& p = a.appearances[m.a];
     const Appearance& q = b.appearances[m.b];
     c.xa.push_back(static_cast<float>((p.x_px - fa.centre_x_px) / fa.diagonal_px));

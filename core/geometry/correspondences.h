@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/geometry/word_matches.h"
+#include "core/geometry/feature_match.h"
 #include "core/types.h"
 
 namespace mapweld {
@@ -33,7 +33,7 @@ struct Correspondences {
 };
 
 Correspondences make_correspondences(const AppearanceVector& a, const AppearanceVector& b,
-                                     const std::vector<WordMatch>& matches);
+                                     const std::vector<FeatureMatch>& matches);
 
 // The rows `chosen` of `all`.
 Correspondences select(const Correspondences& all, const std::vector<std::uint32_t>& chosen);

@@ -10,21 +10,29 @@
 #include "core/geometry/false_alarms.h"
 #include "core/geometry/one_to_one.h"
 #include "core/geometry/portable_math.h"
+#include "core/geometry/signature_matches.h"
 #include "core/geometry/similarity_support.h"
 #include "core/geometry/spatial_consistency.h"
 #include "core/geometry/two_view_geometry.h"
+#include "core/geometry/view_overlap.h"
 #include "core/geometry/word_matches.h"
 
 namespace mapweld {
 namespace {
 
-constexpr int kMaxPairings = 9;   // of one word: 3 x 3
-constexpr int kMaxMatches = 600;  // pairings of a pair of images
-constexpr int kMinSupport = 2;    // others that agree with a match before it counts
+constexpr int kMaxPairings = 9;         // of one word: 3 x 3
+constexpr int kMaxMatches = 600;        // pairings of a pair of images
+constexpr int kMinSupport = 2;          // others that agree with a match before it counts
+constexpr std::size_t kWorthALook = 4;  // supported word matches, for all features to be compared
 constexpr int kBackgroundShifts = 32;
 // Inliers spread at least so far around their centre, in one image or the other: root mean square, in shares of the
 // diagonal. A fire cabinet or a notice hangs in two places; agreement about one small object is no place.
 constexpr double kMinSpread = 0.08;
+// Where signatures are known: of the features that both images should have, as far as the matches tell, so many match.
+// A thing that stands in two places matches by itself, and nothing around it does. Most such pairs are refused before a
+// geometry is estimated: what is left of the supported matches after it is seldom more, hence the margin.
+constexpr double kMinMatchedShare = 0.11;
+constexpr double kMinSupportedShare = 0.10;
 constexpr double kNominalTests = 100;  // pairs, models: see docs/verification.md, "Significance"
 constexpr double kNoEvidence = 300;    // log10 of false alarms when there is no model at all
 
@@ -43,6 +51,54 @@ double spread(const std::vector<float>& x, const std::vector<float>& y, const st
   return std::sqrt(mean_square);
 }
 
+// The pairings of a pair of images, who of them agrees with whom, and which are left.
+struct Vote {
+  std::vector<FeatureMatch> pairings;
+  Correspondences all;
+  std::vector<std::uint32_t> matches;    // one to one: indices into the pairings
+  std::vector<std::uint32_t> supported;  // those with kMinSupport
+  std::uint32_t best = 0;                // the pairing with most support (the first of several)
+};
+
+Vote vote(const AppearanceVector& a, const AppearanceVector& b, std::vector<FeatureMatch> pairings) {
+  Vote vote;
+  vote.pairings = std::move(pairings);
+  vote.all = make_correspondences(a, b, vote.pairings);
+  const std::vector<std::uint16_t> support = similarity_support(vote.all, {});
+  vote.matches = one_to_one(a, b, vote.pairings, support);
+  vote.best = static_cast<std::uint32_t>(std::ranges::max_element(support) - support.begin());
+  std::ranges::copy_if(vote.matches, std::back_inserter(vote.supported),
+                       [&](std::uint32_t i) { return support[i] >= kMinSupport; });
+  return vote;
+}
+
+std::vector<std::pair<std::uint16_t, std::uint16_t>> pairs_of(const std::vector<FeatureMatch>& matches,
+                                                              const std::vector<std::uint32_t>& chosen) {
+  std::vector<std::pair<std::uint16_t, std::uint16_t>> pairs;
+  pairs.reserve(chosen.size());
+  for (const std::uint32_t i : chosen) pairs.emplace_back(matches[i].a, matches[i].b);
+  return pairs;
+}
+
+std::vector<FeatureMatch> in_union(const std::vector<FeatureMatch>& some, const std::vector<FeatureMatch>& others) {
+  std::vector<FeatureMatch> all;
+  all.reserve(some.size() + others.size());
+  std::ranges::set_union(some, others, std::back_inserter(all));
+  return all;
+}
+
+// With signatures, words only say which pairs are worth a closer look.
+Vote best_vote(const AppearanceVector& a, const AppearanceVector& b, bool by_signatures) {
+  std::vector<FeatureMatch> of_words = word_matches(a, b, kMaxPairings, kMaxMatches);
+  if (!by_signatures) return vote(a, b, std::move(of_words));
+  const SignatureMatchOptions options;
+  Vote by_words = vote(a, b, with_near_signatures(a, b, of_words, options));
+  if (by_words.supported.size() < kWorthALook) return by_words;
+  const FeatureMatch& best = by_words.pairings[by_words.best];
+  const float turn_deg = b.appearances[best.b].angle_deg - a.appearances[best.a].angle_deg;
+  return vote(a, b, in_union(by_words.pairings, signature_matches(a, b, turn_deg, options)));
+}
+
 Verification verify_in_order(const AppearanceVector& a, const AppearanceVector& b, const VerifierOptions& options) {
   Verification v;
   v.log10_false_alarms = kNoEvidence;
@@ -53,21 +109,21 @@ Verification verify_in_order(const AppearanceVector& a, const AppearanceVector& 
   const std::size_t needed = static_cast<std::size_t>(std::max(options.min_inliers, kFewestInliers));
   if (a.appearances.size() < needed || b.appearances.size() < needed) return reject(Reason::kTooFewFeatures);
 
-  const std::vector<WordMatch> pairings = word_matches(a, b, kMaxPairings, kMaxMatches);
-  const Correspondences all = make_correspondences(a, b, pairings);
-  const std::vector<std::uint16_t> support = similarity_support(all, {});
-  const std::vector<std::uint32_t> matches = one_to_one(a, b, pairings, support);
-  v.matches = static_cast<int>(matches.size());
-
-  std::vector<std::uint32_t> supported;
-  std::ranges::copy_if(matches, std::back_inserter(supported),
-                       [&](std::uint32_t i) { return support[i] >= kMinSupport; });
+  const bool by_signatures = options.signatures && has_signatures(a) && has_signatures(b);
+  const Vote vote = best_vote(a, b, by_signatures);
+  const std::vector<FeatureMatch>& pairings = vote.pairings;
+  const std::vector<std::uint32_t>& supported = vote.supported;
+  v.matches = static_cast<int>(vote.matches.size());
   v.inliers = static_cast<int>(supported.size());
   if (supported.size() < needed) return reject(Reason::kTooFewInliers);
+  if (by_signatures && view_overlap(a, b, pairs_of(pairings, supported)).matched_share < kMinSupportedShare) {
+    return reject(Reason::kInconsistent);
+  }
 
-  const Correspondences c = select(all, supported);
-  const TwoViewGeometry geometry = estimate_two_view_geometry(
-      c, v.matches, shuffled(select(all, matches), kBackgroundShifts), 3 * content_hash(a) + content_hash(b), {});
+  const Correspondences c = select(vote.all, supported);
+  const TwoViewGeometry geometry =
+      estimate_two_view_geometry(c, v.matches, shuffled(select(vote.all, vote.matches), kBackgroundShifts),
+                                 3 * content_hash(a) + content_hash(b), {});
   v.kind = geometry.kind;
   if (v.kind != GeometryKind::kNone) v.geometry = in_pixels(geometry, a, b);
   v.log10_false_alarms = std::min(geometry.log10_false_alarms + portable_log10(kNominalTests), kNoEvidence);
@@ -84,6 +140,9 @@ Verification verify_in_order(const AppearanceVector& a, const AppearanceVector& 
   if (v.log10_false_alarms > portable_log10(options.max_false_alarms)) return reject(Reason::kNotSignificant);
   if (std::max(spread(c.xa, c.ya, consistent), spread(c.xb, c.yb, consistent)) < kMinSpread) {
     return reject(Reason::kNotSignificant);
+  }
+  if (by_signatures && view_overlap(a, b, v.inlier_matches).matched_share < kMinMatchedShare) {
+    return reject(Reason::kInconsistent);
   }
   v.accepted = true;
   return v;

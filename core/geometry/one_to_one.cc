@@ -15,7 +15,7 @@ bool same_location(const Appearance& p, const Appearance& q) {
 }  // namespace
 
 std::vector<std::uint32_t> one_to_one(const AppearanceVector& a, const AppearanceVector& b,
-                                      const std::vector<WordMatch>& matches,
+                                      const std::vector<FeatureMatch>& matches,
                                       const std::vector<std::uint16_t>& support) {
   std::vector<std::uint32_t> order(matches.size());
   std::iota(order.begin(), order.end(), 0u);

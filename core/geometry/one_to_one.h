@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/geometry/word_matches.h"
+#include "core/geometry/feature_match.h"
 #include "core/types.h"
 
 namespace mapweld {
@@ -14,6 +14,7 @@ namespace mapweld {
 // closer than 1 px. Matches with more `support` come first (ties: the lower index), so that those of a repeated word
 // that agree with the rest win. Returns indices into `matches`, ascending.
 std::vector<std::uint32_t> one_to_one(const AppearanceVector& a, const AppearanceVector& b,
-                                      const std::vector<WordMatch>& matches, const std::vector<std::uint16_t>& support);
+                                      const std::vector<FeatureMatch>& matches,
+                                      const std::vector<std::uint16_t>& support);
 
 }  // namespace mapweld

@@ -12,8 +12,9 @@ inline constexpr int kFewestInliers = 8;
 
 // Defaults measured, see docs/verification.md.
 struct VerifierOptions {
-  int min_inliers = 10;            // accept only with at least so many consistent matches (below 8: 8)
-  double max_false_alarms = 1e-6;  // and only when chance would give them at most so often (a-contrario)
+  int min_inliers = 10;             // accept only with at least so many consistent matches (below 8: 8)
+  double max_false_alarms = 1e-20;  // and only when chance would give them at most so often (a-contrario)
+  bool signatures = true;  // match by signatures where both images have them; false: by words alone (the paper)
 };
 
 // The same verdict seen from the other image: what verify(b, a) gives when `v` is verify(a, b) (a homography: up to

@@ -4,9 +4,13 @@
 
 namespace mapweld {
 
-std::vector<std::uint16_t> similarity_support(const Correspondences& c, const SimilaritySupportOptions& options) {
+namespace {
+
+// Inlined into a function of each instruction set. The same numbers everywhere: no operation is fused or reordered.
+__attribute__((always_inline)) inline void count_support(const Correspondences& c,
+                                                         const SimilaritySupportOptions& options,
+                                                         std::vector<std::uint16_t>& support) {
   const std::size_t n = c.size();
-  std::vector<std::uint16_t> support(n, 0);
   const float relative2 = options.relative_slack * options.relative_slack;
   const float slack2 = options.slack * options.slack;
   for (std::size_t i = 0; i < n; ++i) {
@@ -28,6 +32,33 @@ std::vector<std::uint16_t> similarity_support(const Correspondences& c, const Si
     }
     support[i] = static_cast<std::uint16_t>(agreeing - 1);
   }
+}
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) void count_support_avx2(const Correspondences& c,
+                                                        const SimilaritySupportOptions& options,
+                                                        std::vector<std::uint16_t>& support) {
+  count_support(c, options, support);
+}
+
+bool has_avx2() {
+  __builtin_cpu_init();
+  return __builtin_cpu_supports("avx2") != 0;
+}
+#endif
+
+}  // namespace
+
+std::vector<std::uint16_t> similarity_support(const Correspondences& c, const SimilaritySupportOptions& options) {
+  std::vector<std::uint16_t> support(c.size(), 0);
+#if defined(__x86_64__)
+  static const bool avx2 = has_avx2();
+  if (avx2) {
+    count_support_avx2(c, options, support);
+    return support;
+  }
+#endif
+  count_support(c, options, support);
   return support;
 }
 

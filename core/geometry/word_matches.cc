@@ -36,8 +36,8 @@ std::vector<CommonWord> common_words(const std::vector<Appearance>& a, const std
 
 }  // namespace
 
-std::vector<WordMatch> word_matches(const AppearanceVector& a, const AppearanceVector& b, int max_pairings,
-                                    int max_matches) {
+std::vector<FeatureMatch> word_matches(const AppearanceVector& a, const AppearanceVector& b, int max_pairings,
+                                       int max_matches) {
   const std::vector<CommonWord> common = common_words(a.appearances, b.appearances);
   // How many matches the words with 1, 2, ... pairings give; then the most pairings that still fit.
   std::vector<std::size_t> by_pairings(static_cast<std::size_t>(max_pairings) + 1, 0);
@@ -51,7 +51,7 @@ std::vector<WordMatch> word_matches(const AppearanceVector& a, const AppearanceV
     total += by_pairings[++allowed];
   }
 
-  std::vector<WordMatch> matches;
+  std::vector<FeatureMatch> matches;
   matches.reserve(total);
   for (const CommonWord& w : common) {
     if (w.pairings() > allowed) continue;

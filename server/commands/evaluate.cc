@@ -195,7 +195,9 @@ void run_evaluate(EvaluateArguments arguments) {
                                          [&](const EvaluationProgress& p) { progress.show(p.stage, p.done, p.total); });
   std::optional<TruthResult> judged;
   if (truth) {
-    input.verifier = make_verifier(kLenient);
+    VerifierOptions lenient = kLenient;
+    lenient.signatures = arguments.verifier.signatures;
+    input.verifier = make_verifier(lenient);
     std::vector<CandidateVerdict> verdicts =
         verify_candidates(input, arguments.evaluation.threads,
                           [&](std::uint64_t done) { progress.show("verdicts", done, evaluation.candidates); });
@@ -260,6 +262,9 @@ void add_evaluate_command(CLI::App& app) {
   command->add_option("--min-inliers", arguments->verifier.min_inliers, "Inliers that make a candidate an edge")
       ->check(CLI::Range(4, 65535))
       ->capture_default_str();
+  command->add_flag_function(
+      "--words-only", [arguments](std::int64_t) { arguments->verifier.signatures = false; },
+      "Verify by words alone, as the paper does; best with --max-false-alarms 1e-6");
   command->add_option("--max-false-alarms", arguments->verifier.max_false_alarms, "Its significance")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

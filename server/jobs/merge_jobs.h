@@ -44,9 +44,9 @@ struct MergeBudget {
 };
 
 struct MergeParameters {
-  std::uint32_t min_votes = 10;    // 1 .. 65535
-  int min_inliers = 10;            // 4 .. 65535
-  double max_false_alarms = 1e-6;  // > 0
+  std::uint32_t min_votes = 10;                                  // 1 .. 65535
+  int min_inliers = 10;                                          // 4 .. 65535
+  double max_false_alarms = VerifierOptions{}.max_false_alarms;  // > 0
   VoteRule votes = VoteRule::kMin;
   bool alias_guard = false;  // confirm only what core/merge/alias_guard.h confirms; otherwise every edge is
   friend bool operator==(const MergeParameters&, const MergeParameters&) = default;

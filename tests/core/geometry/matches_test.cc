@@ -28,15 +28,15 @@ AppearanceVector with_words(const std::vector<std::uint32_t>& words) {
 
 TEST(WordMatches, AreAllPairingsOfEqualWords) {
   const auto matches = word_matches(with_words({1, 2, 2, 5, 9}), with_words({2, 2, 2, 3, 5}), 9, 600);
-  EXPECT_THAT(matches, ElementsAre(WordMatch{1, 0}, WordMatch{1, 1}, WordMatch{1, 2}, WordMatch{2, 0}, WordMatch{2, 1},
-                                   WordMatch{2, 2}, WordMatch{3, 4}));
+  EXPECT_THAT(matches, ElementsAre(FeatureMatch{1, 0}, FeatureMatch{1, 1}, FeatureMatch{1, 2}, FeatureMatch{2, 0},
+                                   FeatureMatch{2, 1}, FeatureMatch{2, 2}, FeatureMatch{3, 4}));
 }
 
 TEST(WordMatches, LeaveOutTextures) {
   const AppearanceVector a = with_words({1, 2, 2, 5, 9});
   const AppearanceVector b = with_words({2, 2, 2, 3, 5});
-  EXPECT_THAT(word_matches(a, b, 5, 600), ElementsAre(WordMatch{3, 4}));
-  EXPECT_THAT(word_matches(a, b, 9, 6), ElementsAre(WordMatch{3, 4})) << "the commonest words go first";
+  EXPECT_THAT(word_matches(a, b, 5, 600), ElementsAre(FeatureMatch{3, 4}));
+  EXPECT_THAT(word_matches(a, b, 9, 6), ElementsAre(FeatureMatch{3, 4})) << "the commonest words go first";
   EXPECT_THAT(word_matches(a, b, 9, 0), IsEmpty());
 }
 
@@ -89,7 +89,7 @@ TEST(OneToOne, KeepsTheBestSupportedOfEachLocation) {
   AppearanceVector a = with_words({1, 1, 2});
   AppearanceVector b = with_words({1, 1, 2});
   b.appearances[2].x_px = b.appearances[0].x_px + 0.5f;  // word 2 lies where the first of word 1 does
-  const std::vector<WordMatch> matches{{0, 0}, {0, 1}, {1, 0}, {1, 1}, {2, 2}};
+  const std::vector<FeatureMatch> matches{{0, 0}, {0, 1}, {1, 0}, {1, 1}, {2, 2}};
   EXPECT_THAT(one_to_one(a, b, matches, {1, 5, 4, 1, 2}), ElementsAre(1u, 2u));
   EXPECT_THAT(one_to_one(a, b, matches, {1, 1, 1, 1, 9}), ElementsAre(1u, 4u));
   EXPECT_THAT(one_to_one(a, b, matches, {0, 0, 0, 0, 0}), ElementsAre(0u, 3u));

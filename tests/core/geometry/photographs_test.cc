@@ -10,7 +10,6 @@
 #include <gtest/gtest.h>
 
 #include "core/geometry/epipolar_verifier.h"
-#include "core/retrieval/voting.h"
 
 namespace mapweld {
 namespace {
@@ -38,8 +37,6 @@ std::vector<Accepted> accepted_pairs(const std::vector<Photograph>& a, const std
       const Verification v = verifier.verify(p.appearances, q.appearances);
       if (!v.accepted) continue;
       accepted.push_back({p.number, q.number, v.inliers});
-      EXPECT_GE(pair_votes(p.appearances, q.appearances, VoteRule::kMin), static_cast<std::uint32_t>(v.inliers))
-          << "min_votes <= min_inliers must lose no match";
     }
   }
   return accepted;
@@ -75,7 +72,7 @@ TEST(Photographs, TwoLapsOfACorridorMeetWhereTheTruthSays) {
         same_place, [&](const auto& s) { return std::abs(s.first - pair.a) <= 2 && std::abs(s.second - pair.b) <= 2; });
   };
   const auto accepted = accepted_pairs(photographs("corridor-two-laps/lap-1"), photographs("corridor-two-laps/lap-2"));
-  EXPECT_GE(accepted.size(), 55u);
+  EXPECT_GE(accepted.size(), 90u);
   for (const Accepted& pair : accepted) EXPECT_TRUE(near(pair)) << pair.a << ' ' << pair.b << ' ' << pair.inliers;
 }
 
@@ -87,8 +84,8 @@ TEST(Photographs, TwoVisitsToAPlaceMeet) {
     REQUIRE_PHOTOGRAPHS(b);
     const auto accepted = accepted_pairs(photographs(a), photographs(b));
     const auto same = std::ranges::count_if(accepted, [](const Accepted& p) { return p.a == p.b; });
-    EXPECT_GE(same, 6) << place;
-    for (const Accepted& p : accepted) EXPECT_LE(std::abs(p.a - p.b), 1) << place << ' ' << p.a << ' ' << p.b;
+    EXPECT_GE(same, 9) << place;
+    for (const Accepted& p : accepted) EXPECT_LE(std::abs(p.a - p.b), 2) << place << ' ' << p.a << ' ' << p.b;
   }
 }
 
