@@ -29,7 +29,7 @@ struct SpectralOptions {
   // Candidates that are looked at again for each batch of an epoch, for each one that the epoch will verify.
   std::uint32_t shortlist = 4;
   // Every so many-th verification is given to QuickConnect's order.
-  std::uint32_t quickconnect_share = 8;
+  std::uint32_t quickconnect_share = 4;
   // What joining two components is worth, the best strengthening edge being worth 1: join_weight, and join_size times
   // the square root of the smaller one's share of all vertices.
   double join_weight = 2;
