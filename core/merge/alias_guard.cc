@@ -1,14 +1,15 @@
 #include "core/merge/alias_guard.h"
 
 #include <algorithm>
-#include <map>
+#include <cmath>
 #include <stdexcept>
 #include <unordered_map>
 #include <utility>
 
 #include "core/merge/cluster_contest.h"
+#include "core/merge/cluster_fullness.h"
 #include "core/merge/drive_links.h"
-#include "core/merge/edge_overlap.h"
+#include "core/geometry/view_overlap.h"
 #include "core/merge/edge_relations.h"
 #include "core/merge/hop_balls.h"
 #include "core/merge/rare_matches.h"
@@ -18,6 +19,7 @@ namespace mapweld {
 namespace {
 
 constexpr std::uint32_t kNoMember = 0xFFFFFFFF;
+constexpr int kBesides = 1;  // hops to a neighbour
 
 std::vector<std::uint32_t> member_of_vertex(const std::vector<MergeMember>& members, std::uint32_t vertices) {
   std::vector<std::uint32_t> member_of(vertices, kNoMember);
@@ -34,70 +36,14 @@ void require_between_members(const MergeEdge& edge, const std::vector<std::uint3
   }
 }
 
-bool pair_shows_enough(const MergeEdge& edge, const GuardEvidence& evidence, double min_matched_share,
-                       const AliasGuardOptions& options) {
+bool pair_shows_enough(const MergeEdge& edge, const GuardEvidence& evidence, const AliasGuardOptions& options) {
   return edge.verification.log10_false_alarms <= options.max_log10_false_alarms &&
-         evidence.matched_share >= min_matched_share && evidence.shared_view >= options.min_shared_view &&
-         evidence.spread >= options.min_spread &&
-         // Evenly strewn over a rectangle, points lie sqrt(1 / 12) diagonals from its centre (root mean square).
-         12 * evidence.spread * evidence.spread >= options.min_evenness * options.min_evenness * evidence.shared_view;
+         evidence.matched_share >= options.min_matched_share && evidence.shared_view >= options.min_shared_view &&
+         evidence.spread >= options.min_spread;
 }
 
-using MembersPair = std::pair<std::uint32_t, std::uint32_t>;
-MembersPair pair_of(const MergeEdge& edge, const std::vector<std::uint32_t>& member_of) {
-  return std::minmax(member_of[to_index(edge.u)], member_of[to_index(edge.v)]);
-}
-
-// What matched share an edge between two members needs.
-std::map<MembersPair, double> needed_matched_share(std::span<const MergeEdge> edges,
-                                                   const std::vector<GuardVerdict>& verdicts,
-                                                   const std::vector<std::uint32_t>& member_of,
-                                                   const AliasGuardOptions& options) {
-  std::map<MembersPair, std::vector<double>> shares;
-  for (std::size_t e = 0; e < edges.size(); ++e) {
-    auto& of_pair = shares[pair_of(edges[e], member_of)];
-    if (edges[e].verification.inliers >= options.min_peak_inliers) {
-      of_pair.push_back(verdicts[e].evidence.matched_share);
-    }
-  }
-  std::map<MembersPair, double> needed;
-  for (auto& [pair, of_pair] : shares) {
-    needed[pair] = options.min_matched_share;
-    if (of_pair.empty()) continue;
-    const auto best = of_pair.begin() + static_cast<std::ptrdiff_t>(of_pair.size() * 9 / 10);
-    std::ranges::nth_element(of_pair, best);
-    needed[pair] = std::min(needed[pair], options.matched_share_of_best * *best);
-  }
-  return needed;
-}
-
-bool is_peak(const WeighedEdge& edge, const GuardEvidence& evidence, std::uint32_t extent,
-             const AliasGuardOptions& options) {
-  return static_cast<int>(edge.weight) >= options.min_peak_inliers &&
-         evidence.rare_matches >= options.min_rare_matches &&
-         ((evidence.matched_share >= options.min_peak_matched_share &&
-           edge.weight * evidence.matched_share >= options.min_peak_fullness) ||
-          evidence.rare_matches >= options.min_peak_rare_matches || extent >= options.min_extent);
-}
-
-// How many vertices of either map each cluster joins; the smaller number.
-std::vector<std::uint32_t> extents(std::span<const WeighedEdge> edges, std::span<const std::uint32_t> cluster_of,
-                                   std::uint32_t clusters, const std::vector<std::uint32_t>& member_of) {
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> low, high;  // cluster, vertex of the member of lower number
-  for (std::size_t e = 0; e < edges.size(); ++e) {
-    std::uint32_t u = to_index(edges[e].u), v = to_index(edges[e].v);
-    if (member_of[u] > member_of[v]) std::swap(u, v);
-    low.emplace_back(cluster_of[e], u);
-    high.emplace_back(cluster_of[e], v);
-  }
-  std::vector<std::uint32_t> extent(clusters, 0), other(clusters, 0);
-  for (auto* list : {&low, &high}) {
-    std::ranges::sort(*list);
-    list->erase(std::ranges::unique(*list).begin(), list->end());
-    for (const auto& [cluster, vertex] : *list) ++(list == &low ? extent : other)[cluster];
-  }
-  for (std::uint32_t c = 0; c < clusters; ++c) extent[c] = std::min(extent[c], other[c]);
-  return extent;
+DriveLinkOptions link_options(const AliasGuardOptions& o) {
+  return {o.longest_link, o.revisit_fullness, o.revisit_completeness, o.min_revisit_images};
 }
 
 }  // namespace
@@ -108,18 +54,17 @@ struct AliasGuard::Parts {
       : members(std::move(given)),
         appearances(source),
         options(chosen),
-        balls(members,
-              drive_links(members, inner_edges, source,
-                          {chosen.longest_link, chosen.revisit_fullness, chosen.revisit_completeness,
-                           chosen.min_revisit_images}),
-              static_cast<std::uint8_t>(chosen.far_hops)),
+        links(drive_links(members, inner_edges, source, link_options(chosen))),
+        balls(members, links, static_cast<std::uint8_t>(chosen.far_hops)),
+        short_balls(members, short_links(members, links, source, chosen.min_link_share, link_options(chosen)),
+                    static_cast<std::uint8_t>(chosen.rival_hops)),
         member_of(member_of_vertex(members, balls.vertices())),
         places(source, members) {}
 
-  const EdgeOverlap& overlap(const MergeEdge& edge) {
+  const ViewOverlap& overlap(const MergeEdge& edge) {
     const auto [found, is_new] = overlaps.try_emplace(std::uint64_t{to_index(edge.u)} << 32 | to_index(edge.v));
     if (is_new) {
-      found->second = edge_overlap(*appearances.appearances(edge.u), *appearances.appearances(edge.v),
+      found->second = view_overlap(*appearances.appearances(edge.u), *appearances.appearances(edge.v),
                                    edge.verification.inlier_matches);
     }
     return found->second;
@@ -128,10 +73,12 @@ struct AliasGuard::Parts {
   std::vector<MergeMember> members;
   const AppearanceSource& appearances;
   AliasGuardOptions options;
+  std::vector<Edge> links;
   HopBalls balls;
+  HopBalls short_balls;
   std::vector<std::uint32_t> member_of;
   WordPlaces places;
-  std::unordered_map<std::uint64_t, EdgeOverlap> overlaps;
+  std::unordered_map<std::uint64_t, ViewOverlap> overlaps;
 };
 
 AliasGuard::AliasGuard(std::vector<MergeMember> members, std::span<const Edge> inner_edges,
@@ -151,25 +98,24 @@ std::vector<GuardVerdict> AliasGuard::verdicts(std::span<const MergeEdge> inter_
   std::vector<std::uint32_t> considered;  // edges that show enough: everything below is about these
   std::vector<const MergeEdge*> edges;
   std::vector<WeighedEdge> weighed;
+  std::vector<double> fullness;
   for (std::uint32_t e = 0; e < inter_edges.size(); ++e) {
     const MergeEdge& edge = inter_edges[e];
     require_between_members(edge, member_of);
-    const EdgeOverlap& overlap = parts_->overlap(edge);
+    const ViewOverlap& overlap = parts_->overlap(edge);
     GuardEvidence& evidence = verdicts[e].evidence;
     evidence.matched_share = overlap.matched_share;
     evidence.shared_view = overlap.shared_view;
     evidence.spread = overlap.spread;
-  }
-  const auto needed = needed_matched_share(inter_edges, verdicts, member_of, options);
-  for (std::uint32_t e = 0; e < inter_edges.size(); ++e) {
-    const MergeEdge& edge = inter_edges[e];
-    if (!pair_shows_enough(edge, verdicts[e].evidence, needed.at(pair_of(edge, member_of)), options)) {
+    evidence.fullness = std::sqrt(edge.verification.inliers) * overlap.matched_share * overlap.shared_view;
+    if (!pair_shows_enough(edge, evidence, options)) {
       verdicts[e].reason = Reason::kUnsupported;
       continue;
     }
     considered.push_back(e);
     edges.push_back(&edge);
     weighed.push_back({edge.u, edge.v, static_cast<std::uint32_t>(std::max(1, edge.verification.inliers))});
+    fullness.push_back(evidence.fullness);
   }
   if (considered.empty()) return verdicts;
 
@@ -179,23 +125,22 @@ std::vector<GuardVerdict> AliasGuard::verdicts(std::span<const MergeEdge> inter_
   const auto bonds = relations.bonds(cluster_of);
   const std::uint32_t clusters = *std::ranges::max_element(cluster_of) + 1;
   const auto rare = rare_matches(edges, parts_->appearances, parts_->places, member_of, balls);
-  std::vector<bool> has_peak(clusters, false), has_rare(clusters, false), out(clusters, true);
+  std::vector<bool> has_rare(clusters, false), out(clusters, true);
   std::vector<std::uint32_t> sizes(clusters, 0);
-  const auto extent = extents(weighed, cluster_of, clusters, member_of);
   for (std::size_t k = 0; k < considered.size(); ++k) {
-    GuardEvidence& evidence = verdicts[considered[k]].evidence;
-    evidence.rare_matches = rare[k];
+    verdicts[considered[k]].evidence.rare_matches = rare[k];
     ++sizes[cluster_of[k]];
-    if (evidence.rare_matches >= options.min_rare_matches) has_rare[cluster_of[k]] = true;
-    if (is_peak(weighed[k], evidence, extent[cluster_of[k]], options)) has_peak[cluster_of[k]] = true;
+    if (rare[k] >= options.min_rare_matches) has_rare[cluster_of[k]] = true;
   }
-  for (const ClusterBond& b : bonds) {
-    if (b.support > 0 && has_peak[b.from] && has_rare[b.of]) out[b.of] = false;
-  }
+  const auto shows = clusters_that_show_their_place(
+      weighed, fullness, cluster_of, clusters,
+      {options.min_peak_fullness, options.sure_peak_fullness, options.min_vertex_fullness, options.min_full_vertices});
+  for (std::uint32_t c = 0; c < clusters; ++c) out[c] = !shows[c] || !has_rare[c];
 
   // Clusters against each other.
   const auto standings = contest(weighed, cluster_of, out, bonds,
                                  {options.dropped_beyond, options.ambiguous_beyond, options.duel_significance});
+  std::vector<bool> stands(considered.size());
   for (std::size_t k = 0; k < considered.size(); ++k) {
     const ClusterStanding& standing = standings[cluster_of[k]];
     GuardVerdict& verdict = verdicts[considered[k]];
@@ -203,6 +148,27 @@ std::vector<GuardVerdict> AliasGuard::verdicts(std::span<const MergeEdge> inter_
     verdict.evidence.cluster_edges = sizes[cluster_of[k]];
     verdict.evidence.support = standing.support;
     verdict.evidence.contradiction = standing.contradiction;
+    stands[k] = verdict.confirmed();
+  }
+
+  // The edges of what stands, one by one.
+  const auto balances = EdgeRelations(weighed, member_of, parts_->short_balls, kBesides).balances(stands);
+  FullestEdges fullest(member_of);
+  for (std::size_t k = 0; k < considered.size(); ++k) {
+    if (!stands[k]) continue;
+    stands[k] = static_cast<double>(balances[k].contradiction) <=
+                options.dropped_beyond * static_cast<double>(balances[k].support);
+    if (stands[k]) fullest.add(weighed[k], fullness[k]);
+  }
+  for (std::size_t k = 0; k < considered.size(); ++k) {
+    GuardVerdict& verdict = verdicts[considered[k]];
+    if (!verdict.confirmed()) continue;
+    const bool is_best_of_an_image = stands[k] && fullness[k] >= options.min_best_fullness &&
+                                     verdict.evidence.matched_share >= options.min_best_matched_share &&
+                                     fullest.is_of_one_end(weighed[k], fullness[k]);
+    if (!stands[k] || (fullness[k] < options.min_fullness && !is_best_of_an_image)) {
+      verdict.reason = Reason::kUnsupported;
+    }
   }
   return verdicts;
 }

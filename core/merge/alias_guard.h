@@ -18,18 +18,12 @@ namespace mapweld {
 
 // Defaults measured on rendered worlds, see docs/alias-guard.md.
 struct AliasGuardOptions {
-  // What the pair itself has to show. An edge that shows less is `unsupported`, and says nothing about others.
-  double max_log10_false_alarms = -12;  // stricter than the verifier: there are many pairs in a merge
-  // Of the features in the common view (EdgeOverlap). Where light, cameras and years lie between two maps, fewer
-  // features match anywhere: the bound is never more than matched_share_of_best times what the best edges of the two
-  // maps have (those with min_peak_inliers: nine in ten have less).
-  double min_matched_share = 0.08;
-  double matched_share_of_best = 0.35;
-  double min_shared_view = 0.25;  // of either image, as far as the matches tell (EdgeOverlap)
-  double min_spread = 0.08;       // of the matches, in diagonals (EdgeOverlap)
-  // The spread that matches strewn evenly over the shared view would have, and at least so great a share of it: matches
-  // on one poster in the middle of a common view have less.
-  double min_evenness = 0.5;
+  // What the pair itself has to show to be considered. An edge that shows less is `unsupported`, and says nothing about
+  // others.
+  double max_log10_false_alarms = -8;  // stricter than the verifier: there are many pairs in a merge
+  double min_matched_share = 0.05;     // of the features in the common view (ViewOverlap)
+  double min_shared_view = 0.1;        // of either image, as far as the matches tell (ViewOverlap)
+  double min_spread = 0.07;            // of the matches, in diagonals (ViewOverlap)
 
   // Hops go along the drive: over inner edges between images that their member took in at most so many apart (far
   // enough to look into a room and come back), and over revisits: see drive_links.
@@ -44,19 +38,15 @@ struct AliasGuardOptions {
   // Edges whose ends are at most so many hops apart in both maps form a cluster; a cluster stands or falls as one.
   int link_hops = 1;
 
-  // A place seen twice shows it somewhere, or all along: a cluster is `unsupported` unless one of its edges, or of a
-  // cluster that supports it, has min_peak_inliers and min_rare_matches (of words that its maps have nowhere else, out
-  // of reach of far_hops) and
-  // - so many inliers times their matched share, and so great a matched share,
-  // - or so many matches of such words,
-  // - or a cluster that joins so many vertices of either map.
-  // And some edge of its own must have min_rare_matches.
-  int min_peak_inliers = 20;
+  // A place seen twice shows it: a cluster is `unsupported` unless one of its edges has min_peak_fullness
+  // (GuardEvidence), and at so great a share of its images the fullest edge has min_vertex_fullness (or one has
+  // sure_peak_fullness); and unless one has min_rare_matches: of words that its maps have nowhere else, out of reach of
+  // far_hops.
+  double min_peak_fullness = 3.2;
+  double min_vertex_fullness = 2;
+  double min_full_vertices = 0.4;
+  double sure_peak_fullness = 4.6;
   int min_rare_matches = 3;
-  double min_peak_fullness = 12;
-  double min_peak_matched_share = 0.22;
-  int min_peak_rare_matches = 40;
-  std::uint32_t min_extent = 20;
 
   // A cluster is dropped when what contradicts it weighs more than so many times what supports it.
   double dropped_beyond = 1.5;
@@ -65,6 +55,17 @@ struct AliasGuardOptions {
   double duel_significance = 2.5;
   // One that is still contradicted by more than this share of its support is ambiguous.
   double ambiguous_beyond = 0.5;
+
+  // Within what stands edges are weighed one by one, by shorter hops: over inner edges whose inliers are min_link_share
+  // of an image's features. One is dropped when those that share an image or its neighbour with it but lead more than
+  // rival_hops elsewhere weigh more than dropped_beyond times those that lead where it does.
+  double min_link_share = 0.15;
+  int rival_hops = 5;
+  // Of the rest an edge is confirmed if it has min_fullness, or is the fullest of one of its images and has
+  // min_best_fullness and min_best_matched_share. The others show a thing that this place has in common with the next.
+  double min_fullness = 0.9;
+  double min_best_fullness = 0.4;
+  double min_best_matched_share = 0.17;
 };
 
 // What the guard knows about one edge; for explanations and figures.
@@ -73,6 +74,9 @@ struct GuardEvidence {
   double matched_share = 0;
   double shared_view = 0;
   double spread = 0;
+  // The root of the inliers, times the matched share, times the shared view: how much of a view is the same, all over.
+  // A view seen twice has 4 to 9, a poster or a piece of furniture in two places 0.3 to 3.
+  double fullness = 0;
   int rare_matches = 0;  // inliers whose word occurs near the edge's ends only; 0 for a pair that shows too little
   // Of its cluster; 0 for a pair that shows too little. Weights are products of inliers, summed over pairs of edges.
   std::uint32_t cluster_edges = 0;

@@ -30,14 +30,24 @@ Vertices describe(const std::vector<MergeMember>& members, const AppearanceSourc
   return v;
 }
 
+// Matched features, as a share of those of the image that has fewer.
+double share_of_features(const WeighedEdge& e, const Vertices& vertices) {
+  const std::uint32_t features = std::min(vertices.features[to_index(e.u)], vertices.features[to_index(e.v)]);
+  return static_cast<double>(e.weight) / std::max(1u, features);
+}
+
+std::uint32_t images_apart(const Edge& e, const Vertices& vertices) {
+  const std::uint32_t i = vertices.position.at(to_index(e.u)), j = vertices.position.at(to_index(e.v));
+  return i < j ? j - i : i - j;
+}
+
 // The best share of matched features that each vertex has over some edges.
 class BestShare {
  public:
   explicit BestShare(std::size_t vertices) : share_(vertices, 0) {}
   void see(const WeighedEdge& e, const Vertices& vertices) {
     const std::uint32_t u = to_index(e.u), v = to_index(e.v);
-    const double share =
-        static_cast<double>(e.weight) / std::max(1u, std::min(vertices.features[u], vertices.features[v]));
+    const double share = share_of_features(e, vertices);
     share_[u] = std::max(share_[u], share);
     share_[v] = std::max(share_[v], share);
   }
@@ -57,8 +67,7 @@ std::vector<Edge> drive_links(const std::vector<MergeMember>& members, std::span
   std::vector<WeighedEdge> closing;
   BestShare neighbours(vertices.member.size());
   for (const Edge& e : inner_edges) {
-    const std::uint32_t i = vertices.position.at(to_index(e.u)), j = vertices.position.at(to_index(e.v));
-    if ((i < j ? j - i : i - j) <= options.longest_link) {
+    if (images_apart(e, vertices) <= options.longest_link) {
       links.push_back(e);
       neighbours.see({e.u, e.v, e.weight}, vertices);
     } else {
@@ -93,6 +102,19 @@ std::vector<Edge> drive_links(const std::vector<MergeMember>& members, std::span
     for (const std::uint32_t v : ends) other_pass.forget(v);
   }
   return links;
+}
+
+std::vector<Edge> short_links(const std::vector<MergeMember>& members, std::span<const Edge> links,
+                              const AppearanceSource& appearances, double min_share, const DriveLinkOptions& options) {
+  const Vertices vertices = describe(members, appearances);
+  std::vector<Edge> kept;
+  for (const Edge& e : links) {
+    if (images_apart(e, vertices) > options.longest_link ||
+        share_of_features({e.u, e.v, e.weight}, vertices) >= min_share) {
+      kept.push_back(e);
+    }
+  }
+  return kept;
 }
 
 }  // namespace mapweld

@@ -26,4 +26,10 @@ struct DriveLinkOptions {
 std::vector<Edge> drive_links(const std::vector<MergeMember>& members, std::span<const Edge> inner_edges,
                               const AppearanceSource& appearances, const DriveLinkOptions& options);
 
+// Those of `links` whose inliers are at least `min_share` of the features of the image that has fewer, and those of
+// revisits: steps from which a place is still in view. Over the others a few hops lead from one end of a corridor to
+// the other.
+std::vector<Edge> short_links(const std::vector<MergeMember>& members, std::span<const Edge> links,
+                              const AppearanceSource& appearances, double min_share, const DriveLinkOptions& options);
+
 }  // namespace mapweld

@@ -83,6 +83,15 @@ std::vector<std::uint32_t> EdgeRelations::clusters(int link_hops) {
   return cluster;
 }
 
+std::vector<EdgeBalance> EdgeRelations::balances(const std::vector<bool>& heard) {
+  std::vector<EdgeBalance> balances(edges_.size());
+  for (std::size_t e = 0; e < edges_.size(); ++e) balances[e].support = edges_[e].weight;
+  for_each_relation([&](std::uint32_t e, std::uint32_t f, std::uint8_t hops) {
+    if (heard[f]) (hops == kFar ? balances[e].contradiction : balances[e].support) += edges_[f].weight;
+  });
+  return balances;
+}
+
 std::vector<ClusterBond> EdgeRelations::bonds(std::span<const std::uint32_t> cluster_of) {
   const std::uint32_t clusters = edges_.empty() ? 0 : *std::ranges::max_element(cluster_of) + 1;
   std::vector<ClusterBond> bonds;

@@ -26,6 +26,12 @@ struct ClusterBond {
   std::uint64_t contradiction = 0;
 };
 
+// What one edge hears from others: the sums of their weights. Its own counts as support.
+struct EdgeBalance {
+  std::uint64_t support = 0;
+  std::uint64_t contradiction = 0;
+};
+
 // Two edges between the same two members support each other when their ends are at most `near_hops` apart in both
 // maps; they contradict each other when that is so in one map while in the other the ends are out of reach of the
 // balls. Both relations are symmetric. Sums of whole numbers: the order of the edges does not matter.
@@ -41,6 +47,9 @@ class EdgeRelations {
 
   // All bonds, by (of, from). An edge supports itself.
   std::vector<ClusterBond> bonds(std::span<const std::uint32_t> cluster_of);
+
+  // What each edge hears from those that are `heard`.
+  std::vector<EdgeBalance> balances(const std::vector<bool>& heard);
 
  private:
   // Calls use(e, f, hops) for each edge e and each other edge f that is near it in one map, all calls for one e

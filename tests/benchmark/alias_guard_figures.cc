@@ -136,11 +136,12 @@ Figures measure(const MadeMerge& merge, bool list, const std::string& title) {
     if (list && !right) {
       const GuardEvidence& x = verdicts[e].evidence;
       std::printf(
-          "  wrong: %s %u %zu shares %.3f: %d inliers, 10^%.1f, matched %.2f, view %.2f, spread %.2f, rare %d, cluster "
+          "  wrong: %s %u %zu shares %.3f: %d inliers, 10^%.1f, full %.2f, matched %.2f, view %.2f, spread %.2f, rare "
+          "%d, cluster "
           "of %u, "
           "%llu for, %llu against\n",
           title.c_str(), to_index(edge.u), to_index(edge.v) - shift, merge.shared[e], edge.verification.inliers,
-          edge.verification.log10_false_alarms, x.matched_share, x.shared_view, x.spread, x.rare_matches,
+          edge.verification.log10_false_alarms, x.fullness, x.matched_share, x.shared_view, x.spread, x.rare_matches,
           x.cluster_edges, static_cast<unsigned long long>(x.support),
           static_cast<unsigned long long>(x.contradiction));
     }
@@ -224,10 +225,11 @@ void photographs(int threads, bool list) {
       if (list) {
         const GuardEvidence& x = verdicts[e].evidence;
         std::printf(
-            "  %s %u %zu: %d inliers, 10^%.1f, matched %.2f, view %.2f, spread %.2f, rare %d, cluster of %u, %llu for, "
+            "  %s %u %zu: %d inliers, 10^%.1f, full %.1f, matched %.2f, view %.2f, spread %.2f, rare %d, cluster of "
+            "%u, %llu for, "
             "%llu against: %s\n",
             b.c_str(), to_index(merge.inter_edges[e].u), before.back() - merge.a.vertices.size(),
-            merge.inter_edges[e].verification.inliers, merge.inter_edges[e].verification.log10_false_alarms,
+            merge.inter_edges[e].verification.inliers, merge.inter_edges[e].verification.log10_false_alarms, x.fullness,
             x.matched_share, x.shared_view, x.spread, x.rare_matches, x.cluster_edges,
             static_cast<unsigned long long>(x.support), static_cast<unsigned long long>(x.contradiction),
             verdicts[e].confirmed() ? "confirmed" : std::string(to_string(reason)).c_str());
@@ -268,13 +270,15 @@ int run(int argc, char** argv) {
   app.add_option("--near-hops", tuned.near_hops, "an option of the guard");
   app.add_option("--far-hops", tuned.far_hops, "an option of the guard");
   app.add_option("--link-hops", tuned.link_hops, "an option of the guard");
-  app.add_option("--min-peak-inliers", tuned.min_peak_inliers, "an option of the guard");
-  app.add_option("--min-peak-matched-share", tuned.min_peak_matched_share, "an option of the guard");
-  app.add_option("--min-peak-rare-matches", tuned.min_peak_rare_matches, "an option of the guard");
-  app.add_option("--min-extent", tuned.min_extent, "an option of the guard");
-  app.add_option("--matched-share-of-best", tuned.matched_share_of_best, "an option of the guard");
+  app.add_option("--min-fullness", tuned.min_fullness, "an option of the guard");
+  app.add_option("--min-best-fullness", tuned.min_best_fullness, "an option of the guard");
+  app.add_option("--min-best-matched-share", tuned.min_best_matched_share, "an option of the guard");
+  app.add_option("--min-vertex-fullness", tuned.min_vertex_fullness, "an option of the guard");
+  app.add_option("--min-full-vertices", tuned.min_full_vertices, "an option of the guard");
+  app.add_option("--sure-peak-fullness", tuned.sure_peak_fullness, "an option of the guard");
+  app.add_option("--min-link-share", tuned.min_link_share, "an option of the guard");
+  app.add_option("--rival-hops", tuned.rival_hops, "an option of the guard");
   app.add_option("--min-peak-fullness", tuned.min_peak_fullness, "an option of the guard");
-  app.add_option("--min-evenness", tuned.min_evenness, "an option of the guard");
   app.add_option("--duel-significance", tuned.duel_significance, "an option of the guard");
   app.add_option("--revisit-fullness", tuned.revisit_fullness, "an option of the guard");
   app.add_option("--revisit-completeness", tuned.revisit_completeness, "an option of the guard");

@@ -187,7 +187,7 @@ MadeMerge make_merge(const Drive& a, const Drive& b, const Vocabulary& vocabular
 
 namespace {
 
-constexpr std::uint64_t kMagic = 0x4d57475541524431;
+constexpr std::uint64_t kMagic = 0x4d57475541524432;
 
 template <typename T>
 void put(std::ostream& out, const T& value) {

@@ -64,7 +64,7 @@ TEST(AliasGuardRendered, TwoRobotsOnOneFloorAreJoined) {
   const RenderedWorld world(one_corridor(61));
   const MadeMerge merge = merge_of(world, drive(world, 40, 1), world, drive(world, 30, 2));
   const Counts counts = count(merge);
-  EXPECT_GT(counts.confirmed, counts.verified / 2);
+  EXPECT_GT(counts.confirmed, counts.verified / 3);
   EXPECT_EQ(counts.confirmed_wrong, 0);
 }
 
