@@ -13,7 +13,6 @@ namespace {
 struct MergeCommandOptions {
   contract::SubmitMerge submit;
   contract::MergeParameters parameters;
-  bool alias_guard = false;
   BudgetOptions budget;
   bool watch = false;
   bool wait = false;
@@ -21,8 +20,7 @@ struct MergeCommandOptions {
 
 int merge(const Context& context, const MergeCommandOptions& options) {
   contract::SubmitMerge request = options.submit;
-  contract::MergeParameters parameters = options.parameters;
-  if (options.alias_guard) parameters.alias_guard = true;
+  const contract::MergeParameters& parameters = options.parameters;
   if (parameters != contract::MergeParameters{}) request.parameters = parameters;
   request.budget = options.budget.budget();
   client::Client server = context.connect();
@@ -71,7 +69,11 @@ void add_merge_command(CLI::App& app, Context& context) {
       ->check(CLI::IsMember({"min", "product"}));
   command->add_option("--min-votes", options->parameters.min_votes, "Fewest votes of a candidate");
   command->add_option("--min-inliers", options->parameters.min_inliers, "Fewest verified matches of an edge");
-  command->add_flag("--alias-guard", options->alias_guard, "Confirm edges only when their neighbourhood agrees");
+  command->add_flag_function(
+      "--alias-guard,!--no-alias-guard",
+      [options](std::int64_t times) { options->parameters.alias_guard = times > 0; },
+      "Confirm only edges that fully show their place and that none contradicts, or all of them (default: spectral "
+      "guards)");
   options->budget.add_to(*command);
   CLI::Option* wait = command->add_flag("--wait", options->wait, "Return when the merge has come to rest");
   command->add_flag("--watch", options->watch, "The same, showing its progress")->excludes(wait);

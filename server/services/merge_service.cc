@@ -148,6 +148,7 @@ contract::Merge MergeService::submit(const contract::SubmitMerge& request) {
   merge.parameters.min_votes = mapping.min_votes;
   merge.parameters.min_inliers = mapping.min_inliers;
   merge.parameters.votes = mapping.votes;
+  merge.parameters.alias_guard = merge.method == "spectral";  // the others are as the paper has them
   if (request.parameters) {
     const contract::MergeParameters& from = *request.parameters;
     MergeParameters& to = merge.parameters;

@@ -193,6 +193,10 @@ TEST_F(Command, MergeIsSubmittedAsItWasAsked) {
             R"({"maps":["lab-a","lab-b","lab-c"],"name":"lab","method":"brute-force","seed":7,)"
             R"("parameters":{"min_votes":15,"votes":"product"},)"
             R"("budget":{"seconds":0.5,"verifications":100,"edges":9,"fraction_of_maximum":0.9,"certified":true}})");
+  ask("merge lab-a lab-b --alias-guard");
+  EXPECT_EQ(server.bodies().back(), R"({"maps":["lab-a","lab-b"],"parameters":{"alias_guard":true}})");
+  ask("merge lab-a lab-b --no-alias-guard");
+  EXPECT_EQ(server.bodies().back(), R"({"maps":["lab-a","lab-b"],"parameters":{"alias_guard":false}})");
   for (const auto& [text, seconds] : {std::pair("1.5s", "1.5"), std::pair("2m", "120.0"), std::pair("1h", "3600.0"),
                                       std::pair("3", "3.0"), std::pair("2min", "120.0")}) {
     ask(std::string("merge lab-a lab-b --budget ") + text);

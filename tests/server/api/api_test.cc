@@ -221,6 +221,7 @@ TEST(Api, MergesByEveryMethodWithTheSameEdges) {
     EXPECT_EQ(done["state"], "completed") << method;
     EXPECT_EQ(done["certified_fraction"], 1.0) << method;
     EXPECT_EQ(done["pairs"].size(), 1u);
+    EXPECT_EQ(done["parameters"]["alias_guard"], method == "spectral");
     if (method == "alignment") continue;  // the one with candidates of its own
     std::set<std::pair<int, int>> edges;
     const contract::Json listed = api.get("/v1/merges/" + std::to_string(id) + "/edges").json();
