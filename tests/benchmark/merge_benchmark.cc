@@ -2,11 +2,13 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <fstream>
 #include <map>
 #include <random>
 #include <utility>
 
 #include <benchmark/benchmark.h>
+#include <unistd.h>
 
 #include "core/merge/merge_metrics.h"
 #include "core/merge/quick_connect.h"
@@ -119,6 +121,47 @@ void QuickConnectSteps(benchmark::State& state) { Steps(state, "quickconnect"); 
 void BruteForceSteps(benchmark::State& state) { Steps(state, "brute-force"); }
 void AlignmentSteps(benchmark::State& state) { Steps(state, "alignment"); }
 
+double resident_mb() {
+  std::ifstream statm("/proc/self/statm");
+  double pages = 0;
+  statm >> pages >> pages;
+  return pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
+}
+
+// Everything that `spectral` does before it verifies: S by rows. Its longest step, in processor time; what the process
+// grows by; and the checkpoint of all of it, which is the dearest that there is.
+void SpectralVoting(benchmark::State& state) {
+  MergeInput input = maps_of(state);
+  input.options.method = "spectral";
+  double longest_s = 0, grown_mb = 0, checkpoint_s = 0, checkpoint_mb = 0;
+  std::uint64_t candidates = 0;
+  for (auto _ : state) {
+    const double before_mb = resident_mb();
+    const auto merger = make_merger(input);
+    longest_s = 0;
+    while (merger->state().phase == MergePhase::kVoting) {
+      const std::clock_t start = std::clock();
+      merger->step();
+      longest_s = std::max(longest_s, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+    }
+    candidates = merger->state().candidates_known;
+    grown_mb = resident_mb() - before_mb;
+    state.PauseTiming();
+    const std::clock_t start = std::clock();
+    checkpoint_mb = 0;
+    for (const auto& part : blobs::encode_merge_state(merger->state(), std::nullopt)) {
+      checkpoint_mb += static_cast<double>(part.bytes.size()) / 1e6;
+    }
+    checkpoint_s = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+    state.ResumeTiming();
+  }
+  state.counters["longest_step_ms"] = longest_s * 1e3;
+  state.counters["candidates"] = static_cast<double>(candidates);
+  state.counters["grown_mb"] = grown_mb;
+  state.counters["checkpoint_ms"] = checkpoint_s * 1e3;
+  state.counters["checkpoint_mb"] = checkpoint_mb;
+}
+
 // Everything that `alignment` does before it verifies: S, and the alignments; and its longest step, in processor time.
 void AlignmentVoting(benchmark::State& state) {
   MergeInput input = maps_of(state);
@@ -205,6 +248,7 @@ BENCHMARK(SimilarityByRows)->Apply(sizes);
 BENCHMARK(QuickConnectSteps)->Apply(sizes);
 BENCHMARK(BruteForceSteps)->Apply(sizes);
 BENCHMARK(AlignmentSteps)->Apply(sizes);
+BENCHMARK(SpectralVoting)->Apply(sizes)->Args({20000, 20000});
 BENCHMARK(AlignmentVoting)->Apply(sizes)->Args({20000, 20000});
 BENCHMARK(CheckpointInExploration)->Apply(sizes);
 BENCHMARK(CheckpointInRefinement)->Apply(sizes);
