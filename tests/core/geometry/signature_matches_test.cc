@@ -163,6 +163,22 @@ TEST(SignaturesInTheVerifier, UnmaskEqualWords) {
   }
 }
 
+TEST(SignaturesInTheVerifier, AThingAloneIsRefusedWhenNothingAroundItMatches) {
+  const EpipolarVerifier verifier;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    // The same thirty matches, among few other features and among many.
+    const test::SignedScene alone =
+        test::signed_scene({.seed = seed, .points = 30, .outliers = 0, .clutter = 40}, 30, 8);
+    const test::SignedScene lost =
+        test::signed_scene({.seed = seed, .points = 30, .outliers = 0, .clutter = 450}, 30, 8);
+    EXPECT_TRUE(verifier.verify(alone.a, alone.b).accepted) << seed;
+    const Verification refused = verifier.verify(lost.a, lost.b);
+    EXPECT_FALSE(refused.accepted) << seed;
+    EXPECT_EQ(refused.reason, Reason::kInconsistent) << seed;
+    EXPECT_TRUE(EpipolarVerifier({.signatures = false}).verify(lost.a, lost.b).accepted) << seed << ": words would";
+  }
+}
+
 TEST(SignaturesInTheVerifier, AreLeftOutWhenOneImageHasNone) {
   const EpipolarVerifier verifier;
   const test::SignedScene scene = test::signed_scene({.seed = 3, .points = 60}, 60, 12);
