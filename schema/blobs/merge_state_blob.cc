@@ -5,164 +5,17 @@
 #include <string_view>
 #include <utility>
 
-#include <zstd.h>
-
 #include "core/errors.h"
+#include "schema/blobs/merge_state_content.h"
 
 namespace mapweld::blobs {
 namespace {
-
-constexpr char kFormat = 'M';
-constexpr std::uint8_t kVersion = 1;
-constexpr int kLevel = 1;  // S is written while the merge waits: speed counts
-constexpr std::uint64_t kMostContent = std::uint64_t{1} << 34;
-
-[[noreturn]] void corrupt(const std::string& what) {
-  throw StoreError(StoreErrorKind::kCorrupt, "a merge's checkpoint is damaged: " + what);
-}
-
-// The content of a part, to be packed. Unlike ByteWriter it has no frame of its own.
-class Content {
- public:
-  void u8(std::uint8_t value) { bytes_.push_back(value); }
-  void u64(std::uint64_t value) {
-    for (int shift = 0; shift < 64; shift += 8) bytes_.push_back(static_cast<std::uint8_t>(value >> shift));
-  }
-  void varint(std::uint64_t value) {
-    for (; value >= 0x80; value >>= 7) bytes_.push_back(static_cast<std::uint8_t>(value | 0x80));
-    bytes_.push_back(static_cast<std::uint8_t>(value));
-  }
-  void text(std::string_view value) {
-    varint(value.size());
-    bytes_.insert(bytes_.end(), value.begin(), value.end());
-  }
-  void candidate(const Candidate& c) {
-    varint(to_index(c.source));
-    varint(to_index(c.target));
-    varint(c.votes);
-  }
-  void flags(const std::vector<std::uint8_t>& values) {
-    for (std::size_t i = 0; i < values.size(); i += 8) {
-      std::uint8_t byte = 0;
-      for (std::size_t k = i; k < std::min(i + 8, values.size()); ++k) byte |= (values[k] != 0 ? 1 : 0) << (k - i);
-      bytes_.push_back(byte);
-    }
-  }
-  void planes(std::span<const std::uint16_t> values) {
-    const std::size_t at = bytes_.size();
-    bytes_.resize(at + 2 * values.size());
-    std::uint8_t* low = bytes_.data() + at;
-    std::uint8_t* high = low + values.size();
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      low[i] = static_cast<std::uint8_t>(values[i]);
-      high[i] = static_cast<std::uint8_t>(values[i] >> 8);
-    }
-  }
-  MergeStatePart pack(std::string name) && {
-    Bytes packed(ZSTD_compressBound(bytes_.size()));
-    const std::size_t size = ZSTD_compress(packed.data(), packed.size(), bytes_.data(), bytes_.size(), kLevel);
-    if (ZSTD_isError(size)) throw FormatError("a merge state cannot be packed");
-    ByteWriter writer(kFormat, kVersion);
-    writer.reserve(size + 10);
-    writer.varint(bytes_.size());
-    writer.raw(std::span(packed).first(size));
-    return {std::move(name), std::move(writer).finish()};
-  }
-
- private:
-  Bytes bytes_;
-};
-
-class ContentReader {
- public:
-  explicit ContentReader(const MergeStatePart& part) : name_(part.name) {
-    ByteReader reader(part.bytes, kFormat, kVersion);
-    const std::uint64_t size = reader.varint();
-    const std::span<const std::uint8_t> packed = reader.raw(reader.left());
-    if (size > kMostContent || ZSTD_getFrameContentSize(packed.data(), packed.size()) != size) fail();
-    bytes_.resize(size);
-    if (ZSTD_decompress(bytes_.data(), size, packed.data(), packed.size()) != size) fail();
-  }
-  std::uint8_t u8() {
-    need(1);
-    return bytes_[at_++];
-  }
-  std::uint64_t u64() {
-    need(8);
-    std::uint64_t value = 0;
-    for (int shift = 0; shift < 64; shift += 8) value |= std::uint64_t{bytes_[at_++]} << shift;
-    return value;
-  }
-  std::uint64_t varint() {
-    std::uint64_t value = 0;
-    for (int shift = 0; shift < 64; shift += 7) {
-      const std::uint8_t byte = u8();
-      value |= std::uint64_t{byte & 0x7fU} << shift;
-      if (byte < 0x80) return value;
-    }
-    fail();
-  }
-  std::uint32_t varint32() {
-    const std::uint64_t value = varint();
-    if (value > UINT32_MAX) fail();
-    return static_cast<std::uint32_t>(value);
-  }
-  // A number of things that take at least a byte each.
-  std::size_t count() {
-    const std::uint64_t value = varint();
-    if (value > bytes_.size() - at_) fail();
-    return value;
-  }
-  std::string text() {
-    const std::size_t size = count();
-    const std::string value(bytes_.begin() + static_cast<std::ptrdiff_t>(at_),
-                            bytes_.begin() + static_cast<std::ptrdiff_t>(at_ + size));
-    at_ += size;
-    return value;
-  }
-  Candidate candidate() {
-    const VertexId source{varint32()}, target{varint32()};
-    return {source, target, varint32()};
-  }
-  std::vector<std::uint8_t> flags(std::uint64_t size) {
-    if (size / 8 > bytes_.size() - at_) fail();
-    std::vector<std::uint8_t> values(size);
-    std::uint8_t byte = 0;
-    for (std::size_t i = 0; i < size; ++i) {
-      if (i % 8 == 0) byte = u8();
-      values[i] = (byte >> (i % 8)) & 1;
-    }
-    return values;
-  }
-  std::vector<std::uint16_t> planes(std::size_t size) {
-    if ((bytes_.size() - at_) / 2 < size) fail();
-    std::vector<std::uint16_t> values(size);
-    const std::uint8_t* low = bytes_.data() + at_;
-    const std::uint8_t* high = low + size;
-    for (std::size_t i = 0; i < size; ++i) values[i] = static_cast<std::uint16_t>(low[i] | high[i] << 8);
-    at_ += 2 * size;
-    return values;
-  }
-  bool at_end() const { return at_ == bytes_.size(); }
-  void finish() const {
-    if (!at_end()) fail();
-  }
-  [[noreturn]] void fail() const { corrupt("part '" + name_ + "' does not make sense"); }
-
- private:
-  void need(std::size_t bytes) const {
-    if (bytes_.size() - at_ < bytes) fail();
-  }
-  std::string name_;
-  Bytes bytes_;
-  std::size_t at_ = 0;
-};
 
 std::size_t rejected_pages(std::size_t rejected) { return (rejected + kRejectedPerPage - 1) / kRejectedPerPage; }
 
 MergeStatePart encode_state(const MergeState& state) {
   const PairSearch& search = state.search;
-  Content content;
+  MergeStateContent content;
   content.text(state.method);
   content.u64(state.input_fingerprint);
   content.u64(state.rules_fingerprint);
@@ -201,7 +54,7 @@ struct Totals {
 
 Totals decode_state(const MergeStatePart& part, MergeState& state) {
   PairSearch& search = state.search;
-  ContentReader content(part);
+  MergeStateContentReader content(part);
   Totals totals;
   state.method = content.text();
   state.input_fingerprint = content.u64();
@@ -238,7 +91,7 @@ Totals decode_state(const MergeStatePart& part, MergeState& state) {
 }
 
 MergeStatePart encode_similarity(const SimilarityMatrix& matrix) {
-  Content content;
+  MergeStateContent content;
   content.u8(matrix.is_sparse() ? 1 : 0);
   content.varint(matrix.rows());
   content.varint(matrix.columns());
@@ -259,7 +112,7 @@ MergeStatePart encode_similarity(const SimilarityMatrix& matrix) {
 }
 
 SimilarityMatrix decode_similarity(const MergeStatePart& part) {
-  ContentReader content(part);
+  MergeStateContentReader content(part);
   const bool is_sparse = content.u8() != 0;
   const std::uint32_t rows = content.varint32(), columns = content.varint32();
   std::uint64_t cells = std::uint64_t{rows} * columns;
@@ -280,7 +133,7 @@ SimilarityMatrix decode_similarity(const MergeStatePart& part) {
 }
 
 MergeStatePart encode_queue(const PairSearch& search) {
-  Content content;
+  MergeStateContent content;
   content.varint(search.priorities.size());
   content.flags(search.word_processed);
   for (const std::uint32_t priority : search.priorities) content.varint(priority);
@@ -290,7 +143,7 @@ MergeStatePart encode_queue(const PairSearch& search) {
 }
 
 void decode_queue(const MergeStatePart& part, PairSearch& search) {
-  ContentReader content(part);
+  MergeStateContentReader content(part);
   search.priorities.resize(content.count());
   search.word_processed = content.flags(search.priorities.size());
   for (std::uint32_t& priority : search.priorities) priority = content.varint32();
@@ -299,20 +152,20 @@ void decode_queue(const MergeStatePart& part, PairSearch& search) {
 }
 
 MergeStatePart encode_postponed(const PairSearch& search) {
-  Content content;
+  MergeStateContent content;
   for (const Candidate& c : search.postponed) content.candidate(c);
   return std::move(content).pack("postponed");
 }
 
 void decode_postponed(const MergeStatePart& part, std::uint64_t count, PairSearch& search) {
-  ContentReader content(part);
+  MergeStateContentReader content(part);
   search.postponed.reserve(std::min<std::uint64_t>(count, 1 << 20));
   for (std::uint64_t i = 0; i < count; ++i) search.postponed.push_back(content.candidate());
   content.finish();
 }
 
 MergeStatePart encode_rejected_page(const std::vector<RejectedPair>& rejected, std::size_t page) {
-  Content content;
+  MergeStateContent content;
   const std::size_t end = std::min(rejected.size(), (page + 1) * kRejectedPerPage);
   for (std::size_t i = page * kRejectedPerPage; i < end; ++i) {
     content.varint(to_index(rejected[i].source));
@@ -325,7 +178,7 @@ MergeStatePart encode_rejected_page(const std::vector<RejectedPair>& rejected, s
   return std::move(content).pack(rejected_page_name(page));
 }
 
-RejectedPair read_rejected_pair(ContentReader& content) {
+RejectedPair read_rejected_pair(MergeStateContentReader& content) {
   const auto u16 = [&content] {
     const std::uint32_t value = content.varint32();
     if (value > UINT16_MAX) content.fail();
@@ -344,14 +197,14 @@ RejectedPair read_rejected_pair(ContentReader& content) {
 }
 
 void read_rejected_page(const MergeStatePart& part, std::uint64_t count, std::vector<RejectedPair>& rejected) {
-  ContentReader content(part);
+  MergeStateContentReader content(part);
   for (std::uint64_t i = 0; i < count; ++i) rejected.push_back(read_rejected_pair(content));
   content.finish();
 }
 
 const MergeStatePart& find_part(std::span<const MergeStatePart> parts, std::string_view name) {
   const auto found = std::ranges::find(parts, name, &MergeStatePart::name);
-  if (found == parts.end()) corrupt("part '" + std::string(name) + "' is missing");
+  if (found == parts.end()) corrupt_merge_state("part '" + std::string(name) + "' is missing");
   return *found;
 }
 
@@ -392,10 +245,10 @@ std::string rejected_page_name(std::size_t page) {
 std::vector<RejectedPair> decode_rejected_page(const MergeStatePart& page) {
   try {
     std::vector<RejectedPair> rejected;
-    for (ContentReader content(page); !content.at_end();) rejected.push_back(read_rejected_pair(content));
+    for (MergeStateContentReader content(page); !content.at_end();) rejected.push_back(read_rejected_pair(content));
     return rejected;
   } catch (const FormatError& error) {
-    corrupt(error.what());
+    corrupt_merge_state(error.what());
   }
 }
 
@@ -404,8 +257,8 @@ MergeState decode_merge_state(std::span<const MergeStatePart> parts, std::vector
     MergeState state;
     const Totals totals = decode_state(find_part(parts, "state"), state);
     if (totals.edges != edges.size()) {
-      corrupt("it counts " + std::to_string(totals.edges) + " edges, of which " + std::to_string(edges.size()) +
-              " are stored");
+      corrupt_merge_state("it counts " + std::to_string(totals.edges) + " edges, of which " +
+                          std::to_string(edges.size()) + " are stored");
     }
     state.edges = std::move(edges);
     state.search.similarity = decode_similarity(find_part(parts, "similarity"));
@@ -417,7 +270,7 @@ MergeState decode_merge_state(std::span<const MergeStatePart> parts, std::vector
     }
     return state;
   } catch (const FormatError& error) {
-    corrupt(error.what());
+    corrupt_merge_state(error.what());
   }
 }
 
