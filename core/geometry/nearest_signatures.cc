@@ -9,6 +9,8 @@
 #define MAPWELD_X86_KERNELS 1
 #endif
 
+#include "core/processor.h"
+
 namespace mapweld {
 namespace {
 
@@ -182,7 +184,7 @@ MAPWELD_AVX512 void compare_avx512(const Signature& row, std::uint32_t i, std::s
 PopcountSimd detect() {
   __builtin_cpu_init();
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vpopcntdq")) return PopcountSimd::kAvx512;
-  return __builtin_cpu_supports("avx2") ? PopcountSimd::kAvx2 : PopcountSimd::kScalar;
+  return has_avx2() ? PopcountSimd::kAvx2 : PopcountSimd::kScalar;
 }
 
 #endif

@@ -7,13 +7,14 @@
 #include <iterator>
 
 #include "core/geometry/nearest_signatures.h"
+#include "core/vocabulary/appearance_vector.h"
 
 namespace mapweld {
 namespace {
 
 // Angles as they are stored, 65536 to a turn: sums wrap around by themselves.
 std::uint16_t on_grid(float angle_deg) {
-  const float steps = angle_deg * (65536.0f / 360.0f);
+  const float steps = angle_deg * kAnglesPerDegree;
   return static_cast<std::uint16_t>(static_cast<std::int32_t>(steps + (steps < 0 ? -0.5f : 0.5f)));
 }
 

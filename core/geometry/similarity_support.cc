@@ -2,6 +2,8 @@
 
 #include <cstddef>
 
+#include "core/processor.h"
+
 namespace mapweld {
 
 namespace {
@@ -39,11 +41,6 @@ __attribute__((target("avx2"))) void count_support_avx2(const Correspondences& c
                                                         const SimilaritySupportOptions& options,
                                                         std::vector<std::uint16_t>& support) {
   count_support(c, options, support);
-}
-
-bool has_avx2() {
-  __builtin_cpu_init();
-  return __builtin_cpu_supports("avx2") != 0;
 }
 #endif
 

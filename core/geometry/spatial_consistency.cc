@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/processor.h"
+
 namespace mapweld {
 namespace {
 
@@ -63,11 +65,6 @@ __attribute__((target("avx2"))) std::vector<std::uint32_t> find_nearest_avx2(con
                                                                              const std::vector<std::uint32_t>& chosen,
                                                                              std::size_t count) {
   return find_nearest(x, y, chosen, count);
-}
-
-bool has_avx2() {
-  __builtin_cpu_init();
-  return __builtin_cpu_supports("avx2") != 0;
 }
 #endif
 

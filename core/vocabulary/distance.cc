@@ -7,6 +7,8 @@
 #define MAPWELD_X86_KERNELS 1
 #endif
 
+#include "core/processor.h"
+
 namespace mapweld {
 namespace {
 
@@ -109,7 +111,7 @@ Simd detect() {
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vnni")) {
     return Simd::kAvx512Vnni;
   }
-  return __builtin_cpu_supports("avx2") ? Simd::kAvx2 : Simd::kScalar;
+  return has_avx2() ? Simd::kAvx2 : Simd::kScalar;
 }
 
 #endif
