@@ -6,10 +6,10 @@
 #include <unordered_map>
 #include <utility>
 
+#include "core/geometry/view_overlap.h"
 #include "core/merge/cluster_contest.h"
 #include "core/merge/cluster_fullness.h"
 #include "core/merge/drive_links.h"
-#include "core/geometry/view_overlap.h"
 #include "core/merge/edge_relations.h"
 #include "core/merge/hop_balls.h"
 #include "core/merge/rare_matches.h"
@@ -49,12 +49,12 @@ DriveLinkOptions link_options(const AliasGuardOptions& o) {
 }  // namespace
 
 struct AliasGuard::Parts {
-  Parts(std::vector<MergeMember> given, std::span<const Edge> inner_edges, const AppearanceSource& source,
+  // `links`: of drive_links.
+  Parts(std::vector<MergeMember> given, const std::vector<Edge>& links, const AppearanceSource& source,
         const AliasGuardOptions& chosen)
       : members(std::move(given)),
         appearances(source),
         options(chosen),
-        links(drive_links(members, inner_edges, source, link_options(chosen))),
         balls(members, links, static_cast<std::uint8_t>(chosen.far_hops)),
         short_balls(members, short_links(members, links, source, chosen.min_link_share, link_options(chosen)),
                     static_cast<std::uint8_t>(chosen.rival_hops)),
@@ -73,7 +73,6 @@ struct AliasGuard::Parts {
   std::vector<MergeMember> members;
   const AppearanceSource& appearances;
   AliasGuardOptions options;
-  std::vector<Edge> links;
   HopBalls balls;
   HopBalls short_balls;
   std::vector<std::uint32_t> member_of;
@@ -82,8 +81,10 @@ struct AliasGuard::Parts {
 };
 
 AliasGuard::AliasGuard(std::vector<MergeMember> members, std::span<const Edge> inner_edges,
-                       const AppearanceSource& appearances, const AliasGuardOptions& options)
-    : parts_(std::make_unique<Parts>(std::move(members), inner_edges, appearances, options)) {}
+                       const AppearanceSource& appearances, const AliasGuardOptions& options) {
+  const std::vector<Edge> links = drive_links(members, inner_edges, appearances, link_options(options));
+  parts_ = std::make_unique<Parts>(std::move(members), links, appearances, options);
+}
 AliasGuard::~AliasGuard() = default;
 AliasGuard::AliasGuard(AliasGuard&&) noexcept = default;
 
@@ -132,9 +133,11 @@ std::vector<GuardVerdict> AliasGuard::verdicts(std::span<const MergeEdge> inter_
     ++sizes[cluster_of[k]];
     if (rare[k] >= options.min_rare_matches) has_rare[cluster_of[k]] = true;
   }
-  const auto shows = clusters_that_show_their_place(
-      weighed, fullness, cluster_of, clusters,
-      {options.min_peak_fullness, options.sure_peak_fullness, options.min_vertex_fullness, options.min_full_vertices});
+  const auto shows = clusters_that_show_their_place(weighed, fullness, cluster_of, clusters,
+                                                    {.min_peak_fullness = options.min_peak_fullness,
+                                                     .sure_peak_fullness = options.sure_peak_fullness,
+                                                     .min_vertex_fullness = options.min_vertex_fullness,
+                                                     .min_full_vertices = options.min_full_vertices});
   for (std::uint32_t c = 0; c < clusters; ++c) out[c] = !shows[c] || !has_rare[c];
 
   // Clusters against each other.

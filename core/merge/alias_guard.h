@@ -20,7 +20,7 @@ namespace mapweld {
 struct AliasGuardOptions {
   // What the pair itself has to show to be considered. An edge that shows less is `unsupported`, and says nothing about
   // others.
-  double max_log10_false_alarms = -8;  // stricter than the verifier: there are many pairs in a merge
+  double max_log10_false_alarms = -8;  // this and the next bound where the verifier's were relaxed
   double min_matched_share = 0.05;     // of the features in the common view (ViewOverlap)
   double min_shared_view = 0.1;        // of either image, as far as the matches tell (ViewOverlap)
   double min_spread = 0.07;            // of the matches, in diagonals (ViewOverlap)
