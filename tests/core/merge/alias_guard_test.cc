@@ -12,152 +12,48 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/core/merge/guard_world.h"
+
 namespace mapweld {
 namespace {
 
-// Drives of images with a hundred features each on a regular grid. Every feature has a word of its own unless a test
-// says otherwise. Inner edges link each image to the two before it.
-class World {
- public:
-  explicit World(std::vector<std::uint32_t> sizes) : members_(number_members(sizes)) {
-    for (const MergeMember& member : members_) {
-      for (std::size_t i = 0; i < member.vertices.size(); ++i) {
-        const std::uint32_t v = to_index(member.vertices[i]);
-        images_.push_back(image(1000 * (v + 1)));
-        for (std::uint32_t back = 1; back <= 2 && back <= i; ++back) link(v - back, v);
-      }
-    }
-  }
-
-  // Merged number of a member's vertex.
-  std::uint32_t at(std::size_t member, std::uint32_t own) const { return to_index(members_[member].vertices[own]); }
-  void link(std::uint32_t u, std::uint32_t v, std::uint32_t inliers = 60) {
-    inner_.push_back({VertexId{u}, VertexId{v}, inliers});
-  }
-
-  // Features first..last-1 of u and v match and lie at the same place in both images.
-  void join(std::uint32_t u, std::uint32_t v, std::uint16_t first = 0, std::uint16_t last = 60) {
-    MergeEdge edge;
-    edge.u = VertexId{u};
-    edge.v = VertexId{v};
-    edge.votes = 100;
-    edge.verification.accepted = true;
-    edge.verification.inliers = last - first;
-    edge.verification.matches = last - first;
-    edge.verification.log10_false_alarms = -40;
-    for (std::uint16_t i = first; i < last; ++i) edge.verification.inlier_matches.emplace_back(i, i);
-    edges_.push_back(edge);
-  }
-  // Images u.. of one map along v.. of another; the last features of each match.
-  void join_drives(std::uint32_t u, std::uint32_t v, std::uint32_t images, std::uint16_t matches) {
-    for (std::uint32_t i = 0; i < images; ++i) join(u + i, v + i, static_cast<std::uint16_t>(100 - matches), 100);
-  }
-  void set_word(std::uint32_t v, std::size_t feature, std::uint32_t word) {
-    images_[v].appearances[feature].word = WordId{word};
-  }
-  MergeEdge& last_edge() { return edges_.back(); }
-
-  // The source stays with the world.
-  AliasGuard guard() const {
-    std::vector<std::shared_ptr<const AppearanceVector>> vectors;
-    for (const auto& v : images_) {
-      AppearanceVector sorted = v;
-      std::ranges::stable_sort(sorted.appearances, {}, &Appearance::word);
-      vectors.push_back(std::make_shared<const AppearanceVector>(std::move(sorted)));
-    }
-    tables_.push_back(std::make_shared<AppearanceTable>(std::move(vectors)));
-    return AliasGuard(members_, inner_, *tables_.back());
-  }
-  std::vector<GuardVerdict> verdicts(const std::vector<MergeEdge>& edges) const {
-    guard();  // makes a source
-    return guard_edges(members_, inner_, edges, *tables_.back());
-  }
-  std::vector<GuardVerdict> verdicts() const { return verdicts(edges_); }
-  std::vector<Reason> reasons() const {
-    std::vector<Reason> reasons;
-    for (const GuardVerdict& v : verdicts()) reasons.push_back(v.reason);
-    return reasons;
-  }
-  const std::vector<MergeEdge>& edges() const { return edges_; }
-  const std::vector<MergeMember>& members() const { return members_; }
-
-  // The same world with members 0 and 1 exchanged, and every edge's ends with them.
-  World exchanged() const {
-    World other({static_cast<std::uint32_t>(members_[1].vertices.size()),
-                 static_cast<std::uint32_t>(members_[0].vertices.size())});
-    const auto moved = [&](VertexId v) {
-      const auto n0 = static_cast<std::uint32_t>(members_[0].vertices.size());
-      const auto n1 = static_cast<std::uint32_t>(members_[1].vertices.size());
-      return VertexId{to_index(v) < n0 ? to_index(v) + n1 : to_index(v) - n0};
-    };
-    other.inner_.clear();
-    for (const Edge& e : inner_) other.inner_.push_back({moved(e.u), moved(e.v), e.weight});
-    for (std::uint32_t v = 0; v < images_.size(); ++v) other.images_[to_index(moved(VertexId{v}))] = images_[v];
-    for (const MergeEdge& e : edges_) {
-      MergeEdge mirrored_edge = e;
-      mirrored_edge.u = moved(e.v);
-      mirrored_edge.v = moved(e.u);
-      mirrored_edge.verification = mirrored(e.verification);
-      other.edges_.push_back(mirrored_edge);
-    }
-    return other;
-  }
-
- private:
-  static AppearanceVector image(std::uint32_t first_word) {
-    AppearanceVector v{.width_px = 320, .height_px = 240, .appearances = {}};
-    for (std::uint32_t f = 0; f < 100; ++f) {
-      // Scattered over the image: feature f lies far from f + 1.
-      const std::uint32_t place = f * 37 % 100;
-      v.appearances.push_back({WordId{first_word + f}, 16.0f + 32 * static_cast<float>(place % 10),
-                               12.0f + 24 * static_cast<float>(place / 10), 4, 0});
-    }
-    return v;
-  }
-
-  std::vector<MergeMember> members_;
-  std::vector<Edge> inner_;
-  std::vector<AppearanceVector> images_;
-  mutable std::vector<std::shared_ptr<AppearanceTable>> tables_;
-  std::vector<MergeEdge> edges_;
-};
-
+using test::GuardWorld;
 using ::testing::Each;
 using ::testing::ElementsAre;
 
 TEST(AliasGuard, NothingIsConfirmedOfNothing) {
-  const World world({5, 5});
+  const GuardWorld world({5, 5});
   EXPECT_TRUE(world.verdicts().empty());
 }
 
 TEST(AliasGuard, TwoDrivesAlongOnePlaceAreConfirmed) {
-  World world({30, 30});
+  GuardWorld world({30, 30});
   world.join_drives(world.at(0, 10), world.at(1, 5), 12, 60);
   EXPECT_THAT(world.reasons(), Each(Reason::kNone));
 }
 
 TEST(AliasGuard, TravelTheOtherWayIsNoContradiction) {
-  World world({30, 30});
+  GuardWorld world({30, 30});
   for (std::uint32_t i = 0; i < 12; ++i) world.join(world.at(0, 5 + i), world.at(1, 25 - i));
   EXPECT_THAT(world.reasons(), Each(Reason::kNone));
 }
 
 TEST(AliasGuard, ASingleTrueCrossingNeedsNoNeighbours) {
-  World world({30, 30});
+  GuardWorld world({30, 30});
   world.join(world.at(0, 12), world.at(1, 20));
   EXPECT_THAT(world.reasons(), ElementsAre(Reason::kNone));
 }
 
 TEST(AliasGuard, OneThingInTwoOtherwiseDifferentPlacesIsUnsupported) {
   // Seven of a hundred features match: a poster; the other 93 lie in the common view and find no partner.
-  World world({30, 30});
+  GuardWorld world({30, 30});
   world.join(world.at(0, 12), world.at(1, 20), 0, 7);
   EXPECT_THAT(world.reasons(), ElementsAre(Reason::kUnsupported));
 }
 
 TEST(AliasGuard, AViewThatIsACornerOfAnotherIsUnsupported) {
   // All features of one image match, within a tenth of the other's width and height: seen from afar.
-  World world({30, 30});
+  GuardWorld world({30, 30});
   world.join(world.at(0, 12), world.at(1, 20), 0, 60);
   auto edges = world.edges();
   // Features are sorted by word; the first word has the lowest number. Take those of the corner for the second image.
@@ -181,7 +77,7 @@ TEST(AliasGuard, AViewThatIsACornerOfAnotherIsUnsupported) {
 }
 
 TEST(AliasGuard, SignificanceThatChanceReachesInAMergeIsUnsupported) {
-  World world({30, 30});
+  GuardWorld world({30, 30});
   world.join(world.at(0, 12), world.at(1, 20));
   world.last_edge().verification.log10_false_alarms = -7;
   EXPECT_THAT(world.reasons(), ElementsAre(Reason::kUnsupported));
@@ -189,8 +85,8 @@ TEST(AliasGuard, SignificanceThatChanceReachesInAMergeIsUnsupported) {
 
 // b drives along the images of a from 10 on; those from 100 on look like them. `right` and `alike`: matches at every
 // other image; at those between them they are exchanged when `mixed`.
-World look_alike_places(std::uint16_t right, std::uint16_t alike, bool mixed = false, std::uint32_t images = 12) {
-  World world({170, 70});
+GuardWorld look_alike_places(std::uint16_t right, std::uint16_t alike, bool mixed = false, std::uint32_t images = 12) {
+  GuardWorld world({170, 70});
   for (std::uint32_t i = 0; i < images; ++i) {
     const bool exchanged = mixed && i % 2 == 1;
     world.join_drives(world.at(0, 10 + i), world.at(1, 5 + i), 1, exchanged ? alike : right);
@@ -198,13 +94,13 @@ World look_alike_places(std::uint16_t right, std::uint16_t alike, bool mixed = f
   }
   return world;
 }
-std::vector<Reason> at_right_place(const World& world) {
+std::vector<Reason> at_right_place(const GuardWorld& world) {
   const auto all = world.reasons();
   std::vector<Reason> reasons;
   for (std::size_t i = 0; i < all.size(); i += 2) reasons.push_back(all[i]);
   return reasons;
 }
-std::vector<Reason> at_alike_place(const World& world) {
+std::vector<Reason> at_alike_place(const GuardWorld& world) {
   const auto all = world.reasons();
   std::vector<Reason> reasons;
   for (std::size_t i = 1; i < all.size(); i += 2) reasons.push_back(all[i]);
@@ -212,14 +108,14 @@ std::vector<Reason> at_alike_place(const World& world) {
 }
 
 TEST(AliasGuard, OfTwoPlacesTheBetterSupportedOneIsConfirmed) {
-  const World world = look_alike_places(80, 30);
+  const GuardWorld world = look_alike_places(80, 30);
   EXPECT_THAT(at_right_place(world), Each(Reason::kNone));
   EXPECT_THAT(at_alike_place(world), Each(Reason::kUnsupported));
 }
 
 TEST(AliasGuard, OfTwoPlacesTheOneThatIsBetterAlmostEverywhereIsConfirmed) {
   // Hardly better, but at each of twelve images: a coin would do that once in four thousand times.
-  const World world = look_alike_places(62, 60);
+  const GuardWorld world = look_alike_places(62, 60);
   EXPECT_THAT(at_right_place(world), Each(Reason::kNone));
   EXPECT_THAT(at_alike_place(world), Each(Reason::kUnsupported));
 }
@@ -229,14 +125,14 @@ TEST(AliasGuard, TwoPlacesAlikeAreBothAmbiguous) {
 }
 
 TEST(AliasGuard, ASecondPassThatSeesTheFirstAsFullyAsItsOwnNeighboursIsAtOnePlace) {
-  World world = look_alike_places(62, 60, true, 60);
+  GuardWorld world = look_alike_places(62, 60, true, 60);
   for (std::uint32_t i = 0; i < 60; ++i) world.link(world.at(0, 10 + i), world.at(0, 100 + i), 60);
   EXPECT_THAT(world.reasons(), Each(Reason::kNone));
 }
 
 TEST(AliasGuard, APassThatFallsShortHereAndThereIsNot) {
   // In look-alike corridors the map itself has links from one to the other.
-  World world = look_alike_places(62, 60, true, 60);
+  GuardWorld world = look_alike_places(62, 60, true, 60);
   for (std::uint32_t i = 0; i < 60; ++i) {
     world.link(world.at(0, 10 + i), world.at(0, 100 + i), i % 8 == 7 ? 20 : 60);
   }
@@ -244,14 +140,14 @@ TEST(AliasGuard, APassThatFallsShortHereAndThereIsNot) {
 }
 
 TEST(AliasGuard, AFewImagesThatAreLinkedMakeNoRevisit) {
-  World world = look_alike_places(62, 60, true);
+  GuardWorld world = look_alike_places(62, 60, true);
   for (std::uint32_t i = 0; i < 12; ++i) world.link(world.at(0, 10 + i), world.at(0, 100 + i), 60);
   EXPECT_THAT(world.reasons(), Each(Reason::kAmbiguous));
 }
 
 TEST(AliasGuard, TheUncontestedPartOfALookAlikePlaceFallsWithTheRest) {
   // The right place is seen from the fourth image on only: a door was shut when a came by.
-  World world({100, 30});
+  GuardWorld world({100, 30});
   world.join_drives(world.at(0, 13), world.at(1, 8), 9, 90);
   world.join_drives(world.at(0, 60), world.at(1, 5), 12, 40);
   const auto reasons = world.reasons();
@@ -261,7 +157,7 @@ TEST(AliasGuard, TheUncontestedPartOfALookAlikePlaceFallsWithTheRest) {
 
 TEST(AliasGuard, AShortWayIntoARoomAndBackIsNoContradiction) {
   // b looks into a room between images 10 and 25, and the two are linked; a drives straight on.
-  World world({40, 40});
+  GuardWorld world({40, 40});
   world.link(world.at(1, 10), world.at(1, 25), 40);
   world.join(world.at(0, 10), world.at(1, 10));
   world.join(world.at(0, 11), world.at(1, 25));
@@ -269,13 +165,13 @@ TEST(AliasGuard, AShortWayIntoARoomAndBackIsNoContradiction) {
 }
 
 TEST(AliasGuard, ManyEdgesNoneOfWhichShowsThePlaceAreUnsupported) {
-  World world({30, 30});
+  GuardWorld world({30, 30});
   world.join_drives(world.at(0, 10), world.at(1, 5), 12, 25);
   EXPECT_THAT(world.reasons(), Each(Reason::kUnsupported));
 }
 
 TEST(AliasGuard, OneFullEdgeAlongALongDriveShowsAThingAndNotAPlace) {
-  World world({30, 30});
+  GuardWorld world({30, 30});
   world.join_drives(world.at(0, 10), world.at(1, 5), 12, 25);
   world.join(world.at(0, 22), world.at(1, 17), 40, 95);  // full, but short of what needs no company
   EXPECT_THAT(world.reasons(), Each(Reason::kUnsupported));
@@ -286,7 +182,7 @@ TEST(AliasGuard, OneFullEdgeAlongALongDriveShowsAThingAndNotAPlace) {
 
 TEST(AliasGuard, AnEdgeThatLeadsElsewhereThanThoseBesideItIsDroppedFromItsCluster) {
   // From the 20th image of a the corridor is in view up to the 45th: one weak link, and both are of one cluster.
-  World world({60, 40});
+  GuardWorld world({60, 40});
   world.join_drives(world.at(0, 14), world.at(1, 14), 12, 60);
   world.link(world.at(0, 20), world.at(0, 45), 10);
   world.join(world.at(0, 45), world.at(1, 20), 0, 60);
@@ -298,7 +194,7 @@ TEST(AliasGuard, AnEdgeThatLeadsElsewhereThanThoseBesideItIsDroppedFromItsCluste
 }
 
 TEST(AliasGuard, AnEdgeOverAStrongLinkIsNot) {
-  World world({60, 40});
+  GuardWorld world({60, 40});
   world.join_drives(world.at(0, 14), world.at(1, 14), 12, 60);
   world.link(world.at(0, 20), world.at(0, 45), 40);  // both see the place as they see each other
   world.join(world.at(0, 45), world.at(1, 20), 0, 60);
@@ -306,7 +202,7 @@ TEST(AliasGuard, AnEdgeOverAStrongLinkIsNot) {
 }
 
 TEST(AliasGuard, AWeakEdgeIsConfirmedOnlyWhereAnImageHasNoFullerOne) {
-  World world({30, 30});
+  GuardWorld world({30, 30});
   world.join_drives(world.at(0, 10), world.at(1, 10), 8, 70);
   world.join(world.at(0, 12), world.at(1, 11), 0, 20);  // beside fuller ones of either image
   world.join(world.at(0, 18), world.at(1, 17), 0, 20);  // all that image 18 has
@@ -317,7 +213,7 @@ TEST(AliasGuard, AWeakEdgeIsConfirmedOnlyWhereAnImageHasNoFullerOne) {
 }
 
 TEST(AliasGuard, WordsThatAreEverywhereShowNothing) {
-  World world({40, 40});
+  GuardWorld world({40, 40});
   world.join(world.at(0, 5), world.at(1, 5), 0, 60);
   const std::uint32_t first = 1000 * (world.at(0, 5) + 1);
   for (std::uint32_t f = 0; f < 60; ++f) world.set_word(world.at(0, 35), f, first + f);
@@ -326,7 +222,7 @@ TEST(AliasGuard, WordsThatAreEverywhereShowNothing) {
 
 TEST(AliasGuard, MembersAreJudgedPairByPair) {
   // c looks like a place of a and like a place of b: those are different maps, and no contradiction.
-  World world({30, 30, 30});
+  GuardWorld world({30, 30, 30});
   world.join_drives(world.at(0, 5), world.at(1, 5), 10, 60);
   world.join_drives(world.at(0, 20), world.at(2, 5), 10, 60);
   world.join_drives(world.at(1, 15), world.at(2, 5), 10, 60);
@@ -334,7 +230,7 @@ TEST(AliasGuard, MembersAreJudgedPairByPair) {
 }
 
 TEST(AliasGuard, RareAreTheWordsThatOccurNowhereElse) {
-  World world({40, 10});
+  GuardWorld world({40, 10});
   world.join(world.at(0, 5), world.at(1, 5), 0, 60);
   const std::uint32_t first = 1000 * (world.at(0, 5) + 1);
   for (std::uint32_t f = 0; f < 25; ++f) world.set_word(world.at(0, 35), f, first + f);  // far away
@@ -343,7 +239,7 @@ TEST(AliasGuard, RareAreTheWordsThatOccurNowhereElse) {
 }
 
 TEST(AliasGuard, APeakNearbyDoesNotHelpWhatHasNoWordOfItsOwn) {
-  World world({40, 40});
+  GuardWorld world({40, 40});
   world.join(world.at(0, 10), world.at(1, 10), 0, 60);
   world.join(world.at(0, 13), world.at(1, 13), 0, 60);  // two hops on: another cluster, supported by the first
   EXPECT_THAT(world.reasons(), Each(Reason::kNone));
@@ -354,14 +250,14 @@ TEST(AliasGuard, APeakNearbyDoesNotHelpWhatHasNoWordOfItsOwn) {
 }
 
 TEST(AliasGuard, AnEdgeInsideAMemberIsRefused) {
-  World world({10, 10});
+  GuardWorld world({10, 10});
   world.join(world.at(0, 1), world.at(0, 8));
   EXPECT_THROW(world.verdicts(), std::invalid_argument);
 }
 
 // A world of all kinds at once, at random.
-World random_world(std::uint64_t seed) {
-  World world({60, 40, 25});
+GuardWorld random_world(std::uint64_t seed) {
+  GuardWorld world({60, 40, 25});
   std::mt19937_64 random(seed);
   const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
   std::set<std::pair<std::uint32_t, std::uint32_t>> taken;
@@ -385,7 +281,7 @@ World random_world(std::uint64_t seed) {
 
 TEST(AliasGuard, TheOrderOfTheEdgesDoesNotMatter) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const World world = random_world(seed);
+    const GuardWorld world = random_world(seed);
     const auto expected = world.verdicts();
     std::vector<std::size_t> order(world.edges().size());
     std::iota(order.begin(), order.end(), 0u);
@@ -402,7 +298,7 @@ TEST(AliasGuard, TheOrderOfTheEdgesDoesNotMatter) {
 
 TEST(AliasGuard, WhatWasAskedBeforeDoesNotMatter) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    const World world = random_world(seed);
+    const GuardWorld world = random_world(seed);
     AliasGuard guard = world.guard();
     for (std::size_t n = 0; n <= world.edges().size(); n += 7) {
       const std::vector<MergeEdge> so_far(world.edges().begin(),
@@ -414,7 +310,7 @@ TEST(AliasGuard, WhatWasAskedBeforeDoesNotMatter) {
 
 TEST(AliasGuard, TheOrderOfTheMembersDoesNotMatter) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    World world({60, 40});
+    GuardWorld world({60, 40});
     std::mt19937_64 random(seed);
     const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
     std::set<std::pair<std::uint32_t, std::uint32_t>> taken;
