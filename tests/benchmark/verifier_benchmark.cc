@@ -1,6 +1,6 @@
 // Voting, verification and localization: how fast, and how right. docs/verification.md says what the figures mean.
 //
-//   verifier_benchmark --benchmark_filter=Vote|Verify|Localize     time
+//   verifier_benchmark --benchmark_filter=Signatures|Vote|Verify|Localize   time
 //   verifier_benchmark --benchmark_filter=Chance                   false acceptance of 100,000 chance pairs a layout
 //   verifier_benchmark --benchmark_filter=Places|Corridor|Office   verdicts on photographs (MAPWELD_PHOTOS)
 #include <algorithm>
@@ -19,6 +19,7 @@
 #include "core/geometry/correspondences.h"
 #include "core/geometry/epipolar_verifier.h"
 #include "core/geometry/fundamental_matrix.h"
+#include "core/geometry/nearest_signatures.h"
 #include "core/geometry/robust_fundamental.h"
 #include "core/geometry/word_matches.h"
 #include "core/mapping/localizer.h"
@@ -33,6 +34,28 @@ namespace {
 
 using test::Photograph;
 using test::photographs;
+
+// ---- Signatures ----------------------------------------------------------------------------------------------------
+
+// All of 350 signatures with all of 350 others, by the kernel of `simd`: 0 scalar, 1 AVX2, 2 AVX-512.
+void BM_NearestSignatures(benchmark::State& state) {
+  constexpr std::uint32_t kFeatures = 350;
+  std::mt19937 random(1);
+  std::vector<Signature> a(kFeatures), b(kFeatures);
+  for (auto* list : {&a, &b}) {
+    for (Signature& signature : *list) {
+      for (auto& part : signature.bits) part = static_cast<std::uint32_t>(random());
+    }
+  }
+  const std::vector<Compared> all(kFeatures, Compared{0, kFeatures});
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(nearest_signatures(a, b, all, static_cast<PopcountSimd>(state.range(0))));
+  }
+  state.counters["comparison"] =
+      benchmark::Counter(static_cast<double>(kFeatures) * kFeatures * static_cast<double>(state.iterations()),
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+BENCHMARK(BM_NearestSignatures)->ArgName("simd")->Arg(0)->Arg(1)->Arg(2)->Unit(benchmark::kMicrosecond);
 
 // ---- Voting -------------------------------------------------------------------------------------------------------
 
