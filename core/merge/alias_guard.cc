@@ -89,6 +89,16 @@ AliasGuard::~AliasGuard() = default;
 AliasGuard::AliasGuard(AliasGuard&&) noexcept = default;
 
 std::vector<GuardVerdict> AliasGuard::verdicts(std::span<const MergeEdge> inter_edges) {
+  std::vector<GuardVerdict> verdicts = judge(inter_edges);
+  for (GuardVerdict& verdict : verdicts) {
+    // A rule that says yes or no is as sure as that.
+    verdict.confidence = verdict.reason == Reason::kNone ? 1 : 0;
+    if (verdict.confidence >= parts_->options.min_confidence) verdict.reason = Reason::kNone;
+  }
+  return verdicts;
+}
+
+std::vector<GuardVerdict> AliasGuard::judge(std::span<const MergeEdge> inter_edges) {
   std::vector<GuardVerdict> verdicts(inter_edges.size());
   if (inter_edges.empty()) return verdicts;
   const AliasGuardOptions& options = parts_->options;

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "core/merge/guard_evidence.h"
 #include "core/merge/merge_input.h"
 #include "core/merge/merge_state.h"
 #include "core/types.h"
@@ -18,6 +19,8 @@ namespace mapweld {
 
 // Defaults measured on rendered worlds, see docs/alias-guard.md.
 struct AliasGuardOptions {
+  double min_confidence = kDefaultMinConfidence;  // of a confirmed edge; in [0, 1]
+
   // What the pair itself has to show to be considered. An edge that shows less is `unsupported`, and says nothing about
   // others.
   double max_log10_false_alarms = -8;  // this and the next bound where the verifier's were relaxed
@@ -68,27 +71,11 @@ struct AliasGuardOptions {
   double min_best_matched_share = 0.17;
 };
 
-// What the guard knows about one edge; for explanations and figures.
-struct GuardEvidence {
-  // Of the pair.
-  double matched_share = 0;
-  double shared_view = 0;
-  double spread = 0;
-  // The root of the inliers, times the matched share, times the shared view: how much of a view is the same, all over.
-  // A view seen twice has 4 to 9, a poster or a piece of furniture in two places 0.3 to 3.
-  double fullness = 0;
-  int rare_matches = 0;  // inliers whose word occurs near the edge's ends only; 0 for a pair that shows too little
-  // Of its cluster; 0 for a pair that shows too little. Weights are products of inliers, summed over pairs of edges.
-  std::uint32_t cluster_edges = 0;
-  std::uint64_t support = 0;
-  std::uint64_t contradiction = 0;  // by the clusters that stand
-  friend bool operator==(const GuardEvidence&, const GuardEvidence&) = default;
-};
-
 // kNone: confirmed. kUnsupported: the pair or its cluster shows too little, or other edges say that it is elsewhere.
 // kAmbiguous: two places, and nothing decides between them.
 struct GuardVerdict {
   Reason reason = Reason::kNone;
+  double confidence = 1;  // in [0, 1]; confirmed: at least min_confidence
   GuardEvidence evidence;
   bool confirmed() const { return reason == Reason::kNone; }
   friend bool operator==(const GuardVerdict&, const GuardVerdict&) = default;
@@ -113,6 +100,8 @@ class AliasGuard {
 
  private:
   struct Parts;
+  // Reasons and evidence by the rule.
+  std::vector<GuardVerdict> judge(std::span<const MergeEdge> inter_edges);
   std::unique_ptr<Parts> parts_;
 };
 
