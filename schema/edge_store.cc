@@ -5,12 +5,14 @@
 #include <stdexcept>
 
 #include "schema/blobs/evidence_blob.h"
+#include "schema/blobs/judgement_blob.h"
 
 namespace mapweld {
 namespace {
 
 constexpr std::string_view kColumns =
-    "SELECT id, u, v, votes, inliers, log10_false_alarms, confirmed, job, verifications, elapsed_s, doubt FROM edges ";
+    "SELECT id, u, v, votes, inliers, log10_false_alarms, confirmed, job, verifications, elapsed_s, doubt, confidence "
+    "FROM edges ";
 
 EdgeRow read_row(const sqlite::Statement& row) {
   EdgeRow edge;
@@ -26,6 +28,7 @@ EdgeRow read_row(const sqlite::Statement& row) {
   edge.verifications = static_cast<std::uint64_t>(row.integer(8));
   edge.elapsed_s = row.real(9);
   if (!edge.confirmed) edge.doubt = row.text(10);
+  edge.confidence = row.optional_real(11);
   return edge;
 }
 
@@ -47,9 +50,35 @@ void bind_visible(sqlite::Statement& statement, const LayoutNode& node, const Ed
   statement.bind_all(node.map, node.watermark, filter.min_inliers, filter.confirmed);
 }
 
-std::optional<std::string> doubt_of(Reason reason) {
-  if (reason == Reason::kNone) return std::nullopt;
-  return std::string(to_string(reason));
+// How a judgement stands in its columns.
+struct JudgementColumns {
+  explicit JudgementColumns(const EdgeJudgement& judgement)
+      : confirmed(judgement.doubt == Reason::kNone), confidence(judgement.confidence) {
+    if (confidence ? !(*confidence >= 0 && *confidence <= 1) : !confirmed) {
+      throw StoreError(StoreErrorKind::kConstraint, "an edge is withheld, or believed, by no confidence that there is");
+    }
+    if (!confirmed) doubt = to_string(judgement.doubt);
+    if (!judgement.made_of.empty()) encoded = blobs::encode_judgement(judgement.made_of);
+    if (encoded) made_of = *encoded;
+  }
+  bool confirmed;
+  std::optional<double> confidence;
+  std::optional<std::string> doubt;
+  std::optional<std::span<const std::uint8_t>> made_of;
+
+ private:
+  std::optional<blobs::Bytes> encoded;
+};
+
+// `column` and the two after it: confidence, doubt, judgement.
+EdgeJudgement read_judgement(const sqlite::Statement& row, int column) {
+  EdgeJudgement judgement;
+  judgement.confidence = row.optional_real(column);
+  const std::optional<Reason> doubt = parse_reason(row.optional_text(column + 1).value_or(""));
+  if (!doubt) throw StoreError(StoreErrorKind::kCorrupt, "an edge is doubted for a reason that nobody knows");
+  judgement.doubt = *doubt;
+  if (!row.is_null(column + 2)) judgement.made_of = blobs::decode_judgement(row.blob(column + 2));
+  return judgement;
 }
 
 }  // namespace
@@ -67,9 +96,11 @@ void insert_edges(WriteTransaction& db, MapId map, std::span<const NewEdge> edge
                   std::optional<JobId> job) {
   if (edges.empty()) return;
   sqlite::Statement counted = db.prepare(
-      "UPDATE maps SET edges = edges + ?2, revision = revision + ?3 WHERE id = ?1 AND (kind = 'merged') = ?3 "
-      "RETURNING vertices");
-  counted.bind_all(map, edges.size(), job.has_value() ? 1 : 0);
+      "UPDATE maps SET edges = edges + ?2, revision = revision + ?3, unconfirmed = unconfirmed + ?4 "
+      "WHERE id = ?1 AND (kind = 'merged') = ?3 RETURNING vertices");
+  const auto unconfirmed =
+      std::ranges::count_if(edges, [](const NewEdge& edge) { return edge.judgement.doubt != Reason::kNone; });
+  counted.bind_all(map, edges.size(), job.has_value() ? 1 : 0, unconfirmed);
   if (!counted.step()) {
     throw StoreError(StoreErrorKind::kConstraint, "inner edges belong to plain maps, inter edges to merged ones");
   }
@@ -77,16 +108,17 @@ void insert_edges(WriteTransaction& db, MapId map, std::span<const NewEdge> edge
   counted.run();
   sqlite::Statement insert = db.prepare(
       "INSERT INTO edges (map, u, v, votes, matches, inliers, log10_false_alarms, evidence, verifier, confirmed, "
-      "doubt, "
-      "job, verifications, elapsed_s) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+      "confidence, doubt, judgement, job, verifications, elapsed_s) "
+      "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   for (const NewEdge& edge : edges) {
     if (to_index(edge.v) >= vertices) throw StoreError(StoreErrorKind::kConstraint, "an edge leaves its map");
     const Verification& verdict = edge.verification;
     const blobs::Bytes evidence = blobs::encode_evidence(verdict);
+    const JudgementColumns judgement(edge.judgement);
     insert
         .bind_all(map, edge.u, edge.v, edge.votes, verdict.matches, verdict.inliers, verdict.log10_false_alarms,
-                  std::span<const std::uint8_t>(evidence), verifier, edge.doubt == Reason::kNone ? 1 : 0,
-                  doubt_of(edge.doubt), job, job ? std::optional(edge.verifications) : std::nullopt,
+                  std::span<const std::uint8_t>(evidence), verifier, judgement.confirmed, judgement.confidence,
+                  judgement.doubt, judgement.made_of, job, job ? std::optional(edge.verifications) : std::nullopt,
                   job ? std::optional(edge.elapsed_s) : std::nullopt)
         .run();
   }
@@ -130,8 +162,8 @@ std::vector<EdgeRow> list_merge_edges(const Reader& db, JobId job, std::size_t l
 
 std::vector<NewEdge> load_merge_edges(const Reader& db, JobId job) {
   sqlite::Statement row = db.prepare(
-      "SELECT u, v, votes, matches, inliers, log10_false_alarms, evidence, doubt, verifications, elapsed_s "
-      "FROM edges WHERE job = ? ORDER BY id");
+      "SELECT u, v, votes, matches, inliers, log10_false_alarms, evidence, verifications, elapsed_s, confidence, "
+      "doubt, judgement FROM edges WHERE job = ? ORDER BY id");
   row.bind(1, job);
   std::vector<NewEdge> edges;
   while (row.step()) {
@@ -144,11 +176,9 @@ std::vector<NewEdge> load_merge_edges(const Reader& db, JobId job) {
     edge.verification.inliers = static_cast<int>(row.integer(4));
     edge.verification.log10_false_alarms = row.real(5);
     blobs::decode_evidence(row.blob(6), edge.verification);
-    const std::optional<Reason> doubt = parse_reason(row.optional_text(7).value_or(""));
-    if (!doubt) throw StoreError(StoreErrorKind::kCorrupt, "an edge is doubted for a reason that nobody knows");
-    edge.doubt = *doubt;
-    edge.verifications = static_cast<std::uint64_t>(row.integer(8));
-    edge.elapsed_s = row.real(9);
+    edge.verifications = static_cast<std::uint64_t>(row.integer(7));
+    edge.elapsed_s = row.real(8);
+    edge.judgement = read_judgement(row, 9);
   }
   return edges;
 }
@@ -172,11 +202,12 @@ std::uint64_t count_edges(const Reader& db, const MapLayout& layout, const EdgeF
   std::uint64_t count = 0;
   for (const LayoutNode& node : layout.nodes()) {
     if (!passes(node, filter)) continue;
-    if (filter.min_inliers == 0 && !filter.confirmed) {
-      // Everything shows through: the map's own counter is the answer.
+    if (filter.min_inliers == 0) {
+      // Everything shows through: the map's own counters are the answer.
       const auto map = find_map(db, node.map);
       if (map && map->vertices == node.watermark) {
-        count += map->edges;
+        if (filter.confirmed != false) count += map->edges - map->unconfirmed;
+        if (filter.confirmed != true) count += map->unconfirmed;
         continue;
       }
     }
@@ -225,7 +256,8 @@ EdgeEvidence load_edge_evidence(const Reader& db, EdgeId edge) {
     evidence.edge = read_row(row);
   }
   sqlite::Statement row = db.prepare(
-      "SELECT matches, evidence, version, parameters FROM edges JOIN verifiers ON verifiers.id = verifier "
+      "SELECT matches, evidence, version, parameters, confidence, doubt, judgement "
+      "FROM edges JOIN verifiers ON verifiers.id = verifier "
       "WHERE edges.id = ?");
   row.bind(1, edge).step();
   Verification& verdict = evidence.verification;
@@ -236,17 +268,39 @@ EdgeEvidence load_edge_evidence(const Reader& db, EdgeId edge) {
   blobs::decode_evidence(row.blob(1), verdict);
   evidence.verifier_version = row.text(2);
   evidence.verifier_parameters = row.text(3);
+  evidence.made_of = read_judgement(row, 4).made_of;
   return evidence;
 }
 
-void set_doubts(WriteTransaction& db, MapId map, std::span<const EdgeDoubt> edges) {
+void set_judgements(WriteTransaction& db, MapId map, std::span<const JudgedEdge> edges) {
   if (edges.empty()) return;
+  sqlite::Statement find = db.prepare("SELECT id, confirmed FROM edges WHERE map = ? AND u = ? AND v = ?");
   sqlite::Statement update =
-      db.prepare("UPDATE edges SET confirmed = ?4, doubt = ?5 WHERE map = ?1 AND u = ?2 AND v = ?3");
-  for (const EdgeDoubt& edge : edges) {
-    update.bind_all(map, edge.u, edge.v, edge.doubt == Reason::kNone ? 1 : 0, doubt_of(edge.doubt)).run();
+      db.prepare("UPDATE edges SET confirmed = ?2, confidence = ?3, doubt = ?4, judgement = ?5 WHERE id = ?1");
+  std::int64_t more_unconfirmed = 0;
+  for (const JudgedEdge& edge : edges) {
+    const JudgementColumns judgement(edge.judgement);
+    if (!find.bind_all(map, edge.u, edge.v).step()) {
+      throw StoreError(StoreErrorKind::kConstraint, "an edge is judged that its map does not have");
+    }
+    const auto id = find.id<EdgeId>(0);
+    more_unconfirmed += find.integer(1) - (judgement.confirmed ? 1 : 0);
+    find.reset();
+    update.bind_all(id, judgement.confirmed, judgement.confidence, judgement.doubt, judgement.made_of).run();
   }
-  db.prepare("UPDATE maps SET revision = revision + 1 WHERE id = ?").bind_all(map).run();
+  db.prepare(
+        "UPDATE maps SET revision = revision + 1, judgements = judgements + 1, unconfirmed = unconfirmed + ?2 "
+        "WHERE id = ?1")
+      .bind_all(map, more_unconfirmed)
+      .run();
+}
+
+std::vector<JudgedEdge> load_judgements(const Reader& db, MapId map) {
+  sqlite::Statement row = db.prepare("SELECT u, v, confidence, doubt, judgement FROM edges WHERE map = ? ORDER BY id");
+  row.bind(1, map);
+  std::vector<JudgedEdge> edges;
+  while (row.step()) edges.push_back({row.id<VertexId>(0), row.id<VertexId>(1), read_judgement(row, 2)});
+  return edges;
 }
 
 }  // namespace mapweld

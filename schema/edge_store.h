@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/merge/guard_evidence.h"
 #include "core/types.h"
 #include "schema/map_layout.h"
 #include "schema/store.h"
@@ -16,12 +17,20 @@
 
 namespace mapweld {
 
+// What is thought of an edge beside what the verifier says.
+struct EdgeJudgement {
+  std::optional<double> confidence;   // in [0, 1]; none: nobody has judged it, and it is confirmed
+  Reason doubt = Reason::kNone;       // kNone: confirmed; otherwise why it is withheld
+  std::vector<EvidenceItem> made_of;  // what the confidence is made of
+  friend bool operator==(const EdgeJudgement&, const EdgeJudgement&) = default;
+};
+
 struct NewEdge {
   VertexId u{};  // u < v
   VertexId v{};
   std::uint32_t votes = 0;
-  Verification verification;     // verify(u, v), accepted: geometry and matches go from u to v
-  Reason doubt = Reason::kNone;  // kNone: confirmed; otherwise why the alias guard withholds it
+  Verification verification;  // verify(u, v), accepted: geometry and matches go from u to v
+  EdgeJudgement judgement = {};
   // Inter edges: how the merge stood when this one was inserted.
   std::uint64_t verifications = 0;
   double elapsed_s = 0;
@@ -44,10 +53,11 @@ struct EdgeRow {
   std::uint32_t inliers = 0;
   double log10_false_alarms = 0;
   bool confirmed = true;
-  std::string doubt;                // not confirmed: why, a reason of docs/http-api.md
-  std::optional<JobId> job;         // inter: the merge that made it
-  std::uint64_t verifications = 0;  // inter: as they stood then
-  double elapsed_s = 0;             // inter: as it stood then
+  std::optional<double> confidence;  // none: not judged
+  std::string doubt;                 // not confirmed: why, a reason of docs/http-api.md
+  std::optional<JobId> job;          // inter: the merge that made it
+  std::uint64_t verifications = 0;   // inter: as they stood then
+  double elapsed_s = 0;              // inter: as it stood then
 };
 
 struct EdgeFilter {
@@ -98,19 +108,26 @@ std::optional<EdgeRow> find_own_edge(const Reader& db, MapId map, VertexId u, Ve
 struct EdgeEvidence {
   EdgeRow edge;
   Verification verification;
+  std::vector<EvidenceItem> made_of;  // what the confidence is made of; none: not judged, or not written down
   std::string verifier_version;
   std::string verifier_parameters;
 };
 // Throws std::out_of_range when there is no such edge, StoreError kCorrupt when a blob is damaged.
 EdgeEvidence load_edge_evidence(const Reader& db, EdgeId edge);
 
-// What is doubted now of a merged map's own edge; kNone: it is confirmed.
-struct EdgeDoubt {
-  VertexId u{};
+// What is thought now of an edge.
+struct JudgedEdge {
+  VertexId u{};  // u < v
   VertexId v{};
-  Reason doubt = Reason::kNone;
+  EdgeJudgement judgement = {};
 };
-// Changes what is confirmed among a merged map's own edges; its revision grows, unless there is nothing to change.
-void set_doubts(WriteTransaction& db, MapId map, std::span<const EdgeDoubt> edges);
+// Changes what is thought of a map's own edges, inner ones of a plain map and inter edges of a merged one alike; to be
+// called in the transaction that knows it. The map's revision grows, unless there is nothing to change. An edge that
+// the map does not have is a broken request (kConstraint), as is a confidence outside of [0, 1], or a doubt without
+// one.
+void set_judgements(WriteTransaction& db, MapId map, std::span<const JudgedEdge> edges);
+
+// What is thought of a map's own edges, all of them, in order of insertion.
+std::vector<JudgedEdge> load_judgements(const Reader& db, MapId map);
 
 }  // namespace mapweld

@@ -8,8 +8,8 @@ namespace mapweld {
 namespace {
 
 constexpr std::string_view kColumns =
-    "SELECT id, uuid, name, kind, vocabulary, parameters, labels, created_at_us, revision, vertices, edges, ignored "
-    "FROM maps ";
+    "SELECT id, uuid, name, kind, vocabulary, parameters, labels, created_at_us, revision, vertices, edges, ignored, "
+    "unconfirmed, judgements FROM maps ";
 
 MapRow read_row(const sqlite::Statement& row) {
   MapRow map;
@@ -25,6 +25,8 @@ MapRow read_row(const sqlite::Statement& row) {
   map.vertices = static_cast<std::uint32_t>(row.integer(9));
   map.edges = static_cast<std::uint64_t>(row.integer(10));
   map.ignored = static_cast<std::uint64_t>(row.integer(11));
+  map.unconfirmed = static_cast<std::uint64_t>(row.integer(12));
+  map.judgements = static_cast<std::uint64_t>(row.integer(13));
   return map;
 }
 

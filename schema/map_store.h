@@ -29,10 +29,13 @@ struct NewMap {
 struct MapRow : NewMap {
   MapId id{};
   MapKind kind = MapKind::kMap;
-  std::uint32_t vertices = 0;  // numbers given so far; a merged map: those of its members up to their watermarks
-  std::uint64_t edges = 0;     // its own: inner edges of a plain map, inter edges of a merged one
-  std::uint64_t ignored = 0;   // images that were not inserted
-  std::uint64_t revision = 0;  // grows with every image taken, inserted or ignored, and every change of a merged map
+  std::uint32_t vertices = 0;     // numbers given so far; a merged map: those of its members up to their watermarks
+  std::uint64_t edges = 0;        // its own: inner edges of a plain map, inter edges of a merged one
+  std::uint64_t unconfirmed = 0;  // of its edges
+  std::uint64_t judgements = 0;   // how often what is thought of its edges was changed
+  std::uint64_t ignored = 0;      // images that were not inserted
+  std::uint64_t revision = 0;  // grows with every image taken, inserted or ignored, every change of a merged map, and
+                               // every judgement
 };
 
 // Creates a plain map. Name and uuid must be free: ask in the same transaction first (the writer is alone, so the

@@ -101,12 +101,12 @@ std::vector<StoredPart> read_parts(sqlite::Statement& row, JobId job) {
 void write_curve(WriteTransaction& db, JobId job, std::span<const CurvePointRow> points) {
   sqlite::Statement insert = db.prepare(
       "INSERT OR REPLACE INTO curve_points (job, step, elapsed_s, verifications, edges, components, "
-      "algebraic_connectivity, largest_vertices, largest_algebraic_connectivity, certified_fraction, phase) "
-      "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+      "algebraic_connectivity, largest_vertices, largest_algebraic_connectivity, certified_fraction, phase, confirmed) "
+      "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
   for (const CurvePointRow& p : points) {
     insert
         .bind_all(job, p.step, p.elapsed_s, p.verifications, p.edges, p.components, p.algebraic_connectivity,
-                  p.largest_vertices, p.largest_algebraic_connectivity, p.certified_fraction, p.phase)
+                  p.largest_vertices, p.largest_algebraic_connectivity, p.certified_fraction, p.phase, p.confirmed)
         .run();
   }
 }
@@ -233,7 +233,7 @@ std::vector<CurvePointRow> list_curve(const Reader& db, JobId job, std::size_t l
                                       std::optional<std::uint64_t> after_step) {
   sqlite::Statement row = db.prepare(
       "SELECT step, elapsed_s, verifications, edges, components, algebraic_connectivity, largest_vertices, "
-      "largest_algebraic_connectivity, certified_fraction, phase FROM curve_points "
+      "largest_algebraic_connectivity, certified_fraction, phase, confirmed FROM curve_points "
       "WHERE job = ? AND step > ? ORDER BY step LIMIT ?");
   row.bind(1, job).bind(2, after_step ? static_cast<std::int64_t>(*after_step) : -1).bind(3, limit);
   std::vector<CurvePointRow> points;
@@ -249,6 +249,7 @@ std::vector<CurvePointRow> list_curve(const Reader& db, JobId job, std::size_t l
     p.largest_algebraic_connectivity = row.real(7);
     p.certified_fraction = row.optional_real(8);
     p.phase = row.text(9);
+    if (!row.is_null(10)) p.confirmed = static_cast<std::uint64_t>(row.integer(10));
   }
   return points;
 }

@@ -87,7 +87,8 @@ struct CurvePointRow {
   std::uint64_t step = 0;
   double elapsed_s = 0;
   std::uint64_t verifications = 0;
-  std::uint64_t edges = 0;
+  std::uint64_t edges = 0;                 // verified ones
+  std::optional<std::uint64_t> confirmed;  // of them; none: not written down
   std::uint32_t components = 0;
   double algebraic_connectivity = 0;
   std::uint32_t largest_vertices = 0;  // of the largest component

@@ -8,6 +8,7 @@
 
 #include "schema/blobs/appearance_blob.h"
 #include "schema/blobs/evidence_blob.h"
+#include "schema/blobs/judgement_blob.h"
 #include "schema/edge_store.h"
 #include "schema/map_layout.h"
 #include "schema/merge_store.h"
@@ -125,6 +126,10 @@ class Checker {
         "SELECT 'maps: ' || name, 'it counts ' || edges || ' edges, and has ' || n FROM "
         "(SELECT name, edges, (SELECT count(*) FROM edges WHERE edges.map = maps.id) AS n FROM maps) WHERE edges <> n");
     findings_of(
+        "SELECT 'maps: ' || name, 'it counts ' || unconfirmed || ' unconfirmed edges, and has ' || n FROM "
+        "(SELECT name, unconfirmed, (SELECT count(*) FROM edges WHERE edges.map = maps.id AND confirmed = 0) AS n "
+        "FROM maps) WHERE unconfirmed <> n");
+    findings_of(
         "SELECT 'maps: ' || m.name, 'it counts ' || m.vertices || ' vertices, and its spans ' || "
         " coalesce(sum(count), 0) FROM maps m LEFT JOIN member_spans ON merged = m.id WHERE m.kind = 'merged' "
         "GROUP BY m.id HAVING m.vertices <> coalesce(sum(count), 0)");
@@ -233,12 +238,20 @@ class Checker {
     findings_of(
         "SELECT 'edges: ' || edges.id, 'an inner edge in a merged map, or an inter edge in a plain one' FROM edges "
         "JOIN maps ON maps.id = map WHERE (job IS NOT NULL) <> (kind = 'merged')");
+    findings_of(
+        "SELECT 'edges: ' || id, 'it is not confirmed, and nobody has judged it' FROM edges "
+        "WHERE confirmed = 0 AND confidence IS NULL");
+    findings_of(
+        "SELECT 'edges: ' || e.id, 'it is ' || iif(e.confirmed, '', 'not ') || 'confirmed with a confidence of ' || "
+        " e.confidence || ', where its merge asks for ' || json_extract(m.parameters, '$.min_confidence') "
+        "FROM edges e JOIN merges m ON m.id = e.job "
+        "WHERE e.confirmed <> (e.confidence >= json_extract(m.parameters, '$.min_confidence'))");
     sqlite::Statement owner = db_.prepare("SELECT DISTINCT map FROM edges ORDER BY map");
     while (owner.step()) {
       std::vector<std::uint32_t> features;
       guarded("edges: map " + number(static_cast<std::uint64_t>(owner.integer(0))),
               [&] { features = features_of(owner.id<MapId>(0)); });
-      sqlite::Statement row = db_.prepare("SELECT id, u, v, inliers, evidence FROM edges WHERE map = ?");
+      sqlite::Statement row = db_.prepare("SELECT id, u, v, inliers, evidence, judgement FROM edges WHERE map = ?");
       row.bind(1, owner.integer(0));
       while (row.step()) {
         const std::string where = "edges: " + number(static_cast<std::uint64_t>(row.integer(0)));
@@ -256,6 +269,7 @@ class Checker {
           expect(std::ranges::all_of(matches,
                                      [&](const auto& m) { return m.first < features[u] && m.second < features[v]; }),
                  where, "a match names a feature that its image does not have");
+          if (!row.is_null(5)) blobs::decode_judgement(row.blob(5));
         });
       }
     }

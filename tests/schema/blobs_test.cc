@@ -7,6 +7,7 @@
 #include "schema/blobs/appearance_blob.h"
 #include "schema/blobs/byte_stream.h"
 #include "schema/blobs/evidence_blob.h"
+#include "schema/blobs/judgement_blob.h"
 #include "schema/blobs/posting_blob.h"
 #include "tests/support/temp_store.h"
 
@@ -167,6 +168,32 @@ TEST(EvidenceBlob, DamageIsTold) {
   };
   expect_damage_is_told(encode_evidence(test::random_verification(random, 15, 500, 500)), decode);
   expect_nonsense_is_survived('E', decode);
+}
+
+std::vector<EvidenceItem> random_items(Random& random) {
+  std::vector<EvidenceItem> items(random.below(9));
+  for (EvidenceItem& item : items) {
+    item.name.assign(random.below(40), 'x');
+    for (char& c : item.name) c = static_cast<char>('a' + random.below(26));
+    item.value = (random.unit() - 0.5) * 1e6;
+    if (random.chance(0.5)) item.log_odds = (random.unit() - 0.5) * 20;
+  }
+  return items;
+}
+
+TEST(JudgementBlob, EveryItemComesBackBitForBit) {
+  Random random(5);
+  for (int i = 0; i < 300; ++i) {
+    const std::vector<EvidenceItem> items = random_items(random);
+    EXPECT_EQ(decode_judgement(encode_judgement(items)), items);
+  }
+}
+
+TEST(JudgementBlob, DamageIsTold) {
+  const auto decode = [](const Bytes& blob) { decode_judgement(blob); };
+  const std::vector<EvidenceItem> items = {{"rare_matches", 31, 2.5}, {"spread_diagonals", 0.25, std::nullopt}};
+  expect_damage_is_told(encode_judgement(items), decode);
+  expect_nonsense_is_survived('J', decode);
 }
 
 struct List {

@@ -44,10 +44,16 @@ class EdgeStoreTest : public testing::Test {
     e.v = VertexId{v};
     e.votes = static_cast<std::uint32_t>(random_.below(500));
     e.verification = test::random_verification(random_, 12 + static_cast<int>(random_.below(100)), 400, 400);
-    e.doubt = random_.chance(0.8) ? Reason::kNone : Reason::kAmbiguous;
+    if (random_.chance(0.8)) e.judgement = random_judgement();
     e.verifications = random_.below(1'000);
     e.elapsed_s = random_.unit();
     return e;
+  }
+
+  EdgeJudgement random_judgement() {
+    EdgeJudgement judgement{random_.unit(), random_.chance(0.7) ? Reason::kNone : Reason::kAmbiguous, {}};
+    if (random_.chance(0.7)) judgement.made_of = {{"rare_matches", 31, 2.5}, {"spread_diagonals", 0.25, std::nullopt}};
+    return judgement;
   }
 
   void add_vertex(MapId map, std::uint32_t v, const std::vector<NewEdge>& edges) {
@@ -168,7 +174,9 @@ TEST_F(EdgeStoreTest, InterEdgesComeInOrderOfInsertionAsTheyStoodThen) {
 
 TEST_F(EdgeStoreTest, TheEvidenceOfAnEdgeComesBackBitForBit) {
   WriteTransaction db = store_.write();
-  const NewEdge inserted = edge(3, 20);
+  NewEdge inserted = edge(3, 20);
+  inserted.judgement = {
+      0.25, Reason::kUnsupported, {{"fullness", 0.125, -1.5}, {"a name of two words", -7, std::nullopt}}};
   const VerifierId verifier = intern_verifier(db, "epipolar-1", R"({"min_inliers":12})");
   EXPECT_EQ(intern_verifier(db, "epipolar-1", R"({"min_inliers":12})"), verifier);
   EXPECT_NE(intern_verifier(db, "epipolar-1", R"({"min_inliers":13})"), verifier);
@@ -181,8 +189,10 @@ TEST_F(EdgeStoreTest, TheEvidenceOfAnEdgeComesBackBitForBit) {
   const EdgeEvidence evidence = load_edge_evidence(reader, row->id);
   EXPECT_EQ(evidence.verification, inserted.verification);
   EXPECT_EQ(evidence.edge.votes, inserted.votes);
-  EXPECT_EQ(evidence.edge.confirmed, inserted.doubt == Reason::kNone);
-  EXPECT_EQ(evidence.edge.doubt, std::string(to_string(inserted.doubt)));
+  EXPECT_EQ(evidence.edge.confirmed, inserted.judgement.doubt == Reason::kNone);
+  EXPECT_EQ(evidence.edge.doubt, std::string(to_string(inserted.judgement.doubt)));
+  EXPECT_EQ(evidence.edge.confidence, inserted.judgement.confidence);
+  EXPECT_EQ(evidence.made_of, inserted.judgement.made_of);
   EXPECT_EQ(evidence.edge.verifications, inserted.verifications);
   EXPECT_EQ(evidence.edge.elapsed_s, inserted.elapsed_s);
   EXPECT_EQ(evidence.verifier_version, "epipolar-1");
@@ -206,23 +216,63 @@ TEST_F(EdgeStoreTest, BrokenEdgesAreRefusedAndLeaveNothing) {
   EXPECT_EQ(find_map(store_.read(), merged_)->edges, model_merged_.size());
 }
 
-TEST_F(EdgeStoreTest, ConfirmationsMayChange) {
-  const std::uint64_t revision = find_map(store_.read(), merged_)->revision;
-  std::vector<EdgeDoubt> doubts;
-  for (const EdgeRow& e : list_merge_edges(store_.read(), job_, 100)) doubts.push_back({e.u, e.v});
-  ASSERT_GT(doubts.size(), 3u);
-  for (const Reason reason : {Reason::kUnsupported, Reason::kAmbiguous, Reason::kNone}) {
-    for (EdgeDoubt& d : doubts) d.doubt = reason;
-    WriteTransaction db = store_.write();
-    set_doubts(db, merged_, doubts);
-    for (const EdgeRow& e : list_merge_edges(db, job_, 100)) {
-      EXPECT_EQ(e.confirmed, reason == Reason::kNone);
-      EXPECT_EQ(e.doubt, std::string(to_string(reason)));
+TEST_F(EdgeStoreTest, WhatIsThoughtOfEdgesMayChangeInnerOnesToo) {
+  for (const MapId map : {merged_, a_}) {
+    std::vector<JudgedEdge> model = load_judgements(store_.read(), map);
+    ASSERT_GT(model.size(), 8u);
+    for (int round = 0; round < 6; ++round) {
+      const MapRow before = *find_map(store_.read(), map);
+      std::vector<JudgedEdge> changed;
+      for (JudgedEdge& edge : model) {
+        if (!random_.chance(0.6)) continue;
+        edge.judgement = random_.chance(0.8) ? random_judgement() : EdgeJudgement{};
+        changed.push_back(edge);
+      }
+      ASSERT_FALSE(changed.empty());
+      WriteTransaction db = store_.write();
+      set_judgements(db, map, changed);
+      db.commit();
+      const ReadTransaction reader = store_.read();
+      const std::vector<JudgedEdge> stored = load_judgements(reader, map);
+      ASSERT_EQ(stored.size(), model.size());
+      std::uint64_t unconfirmed = 0;
+      for (std::size_t i = 0; i < model.size(); ++i) {
+        EXPECT_EQ(stored[i].judgement, model[i].judgement);
+        const auto row = find_own_edge(reader, map, model[i].u, model[i].v);
+        EXPECT_EQ(row->confirmed, model[i].judgement.doubt == Reason::kNone);
+        EXPECT_EQ(row->confidence, model[i].judgement.confidence);
+        if (!row->confirmed) ++unconfirmed;
+      }
+      const MapRow after = *find_map(reader, map);
+      EXPECT_EQ(after.unconfirmed, unconfirmed);
+      EXPECT_EQ(after.revision, before.revision + 1);
+      EXPECT_EQ(after.judgements, before.judgements + 1);
+      EXPECT_EQ(count_edges(reader, load_layout(reader, a_), {.confirmed = false}), find_map(reader, a_)->unconfirmed);
     }
-    for (const NewEdge& e : load_merge_edges(db, job_)) EXPECT_EQ(e.doubt, reason);
-    db.commit();
   }
-  EXPECT_EQ(find_map(store_.read(), merged_)->revision, revision + 3);
+  // What a merge goes on from has the same judgements.
+  const std::vector<JudgedEdge> stored = load_judgements(store_.read(), merged_);
+  const std::vector<NewEdge> loaded = load_merge_edges(store_.read(), job_);
+  ASSERT_EQ(loaded.size(), stored.size());
+  for (std::size_t i = 0; i < loaded.size(); ++i) EXPECT_EQ(loaded[i].judgement, stored[i].judgement);
+}
+
+TEST_F(EdgeStoreTest, JudgementsThatCannotBeAreRefusedAndChangeNothing) {
+  const std::vector<JudgedEdge> before = load_judgements(store_.read(), merged_);
+  const MapRow map = *find_map(store_.read(), merged_);
+  const auto refused = [&](JudgedEdge edge) {
+    WriteTransaction db = store_.write();
+    const std::vector<JudgedEdge> edges = {{before.front().u, before.front().v, {0.5, Reason::kNone, {}}}, edge};
+    EXPECT_THROW(set_judgements(db, merged_, edges), StoreError);
+  };
+  const auto [u, v, judgement] = before.back();
+  refused({u, v, {1.5, Reason::kNone, {}}});
+  refused({u, v, {-0.1, Reason::kUnsupported, {}}});
+  refused({u, v, {std::nullopt, Reason::kUnsupported, {}}});  // withheld by nobody
+  refused({v, u, {0.5, Reason::kNone, {}}});                  // there is no such edge
+  const std::vector<JudgedEdge> after = load_judgements(store_.read(), merged_);
+  for (std::size_t i = 0; i < before.size(); ++i) EXPECT_EQ(after[i].judgement, before[i].judgement);
+  EXPECT_EQ(find_map(store_.read(), merged_)->revision, map.revision);
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ class MergeStoreTest : public testing::Test {
   MergeRow row(JobId job) { return find_merge(store_.read(), job).value(); }
 
   NewEdge edge(std::uint32_t u, std::uint32_t v) {
-    return {VertexId{u}, VertexId{v}, 50, test::random_verification(random_, 20, 400, 400), Reason::kNone, u + v, 0.25};
+    return {VertexId{u}, VertexId{v}, 50, test::random_verification(random_, 20, 400, 400), {}, u + v, 0.25};
   }
 
   // Saves one part, edges and a point of the curve.
@@ -309,8 +309,9 @@ TEST_F(MergeStoreTest, TheCurveComesBackInOrder) {
   const std::uint64_t epoch = claim(job).value();
   std::vector<CurvePointRow> points;
   for (std::uint64_t step = 0; step < 10; ++step) {
-    CurvePointRow p{step * 10, random_.unit(), random_.below(100), random_.below(100), 3, random_.unit(),
+    CurvePointRow p{step * 10, random_.unit(), random_.below(100), random_.below(100), std::nullopt, 3, random_.unit(),
                     18,        random_.unit(), std::nullopt,       "refinement"};
+    if (step % 3 == 0) p.confirmed = random_.below(100);
     if (step % 2 == 0) p.certified_fraction = random_.unit();
     points.push_back(p);
   }

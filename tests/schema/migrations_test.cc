@@ -74,6 +74,31 @@ TEST_F(MigrationsTest, ATableMayBeRebuiltUnderItsReferences) {
   EXPECT_EQ(connection_.query_integer("SELECT count(*) FROM b JOIN a ON a.i = b.a"), 1);
 }
 
+TEST_F(MigrationsTest, EdgesThatAGuardHadJudgedGetItsConfidence) {
+  migrate(connection_, migrations().first(1));
+  connection_.execute(R"(
+    INSERT INTO vocabularies VALUES (1, 'words', 10, 128, 'sift-u8', 'exact', zeroblob(32), 0, 0);
+    INSERT INTO maps (id, uuid, name, kind, vocabulary, parameters, labels, created_at_us) VALUES
+      (1, printf('%036d', 1), 'plain', 'map', 1, '{}', '{}', 0), (2, printf('%036d', 2), 'guarded', 'merged', 1, '{}', '{}', 0),
+      (3, printf('%036d', 3), 'free', 'merged', 1, '{}', '{}', 0);
+    INSERT INTO verifiers VALUES (1, 'v', '{}');
+    INSERT INTO merges (id, map, method, seed, parameters, budget, state, phase, created_at_us, updated_at_us) VALUES
+      (1, 2, 'spectral', 0, '{"alias_guard":true}', '{}', 'completed', 'done', 0, 0),
+      (2, 3, 'quickconnect', 0, '{"alias_guard":false}', '{}', 'completed', 'done', 0, 0);
+    INSERT INTO edges (id, map, u, v, votes, matches, inliers, log10_false_alarms, evidence, verifier, confirmed, doubt, job)
+      VALUES (1, 1, 0, 1, 1, 1, 1, -9, x'', 1, 1, NULL, NULL), (2, 2, 0, 1, 1, 1, 1, -9, x'', 1, 1, NULL, 1),
+             (3, 2, 0, 2, 1, 1, 1, -9, x'', 1, 0, 'unsupported', 1), (4, 3, 0, 1, 1, 1, 1, -9, x'', 1, 1, NULL, 2))");
+  migrate(connection_, migrations());
+  sqlite::Statement row = connection_.prepare("SELECT confidence FROM edges ORDER BY id");
+  std::vector<std::optional<double>> confidences;
+  while (row.step()) confidences.push_back(row.optional_real(0));
+  EXPECT_EQ(confidences, (std::vector<std::optional<double>>{std::nullopt, 1.0, 0.0, std::nullopt}));
+  sqlite::Statement map = connection_.prepare("SELECT unconfirmed FROM maps ORDER BY id");
+  std::vector<std::int64_t> unconfirmed;
+  while (map.step()) unconfirmed.push_back(map.integer(0));
+  EXPECT_EQ(unconfirmed, (std::vector<std::int64_t>{0, 1, 0}));
+}
+
 TEST_F(MigrationsTest, ANewerDatabaseIsRefusedAndStaysAsItIs) {
   migrate(connection_, kSteps);
   try {
