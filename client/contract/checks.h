@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "client/contract/json.h"
 #include "client/contract/problem.h"
 
 namespace mapweld::contract {
@@ -16,6 +17,13 @@ inline void check_range(const std::optional<int>& value, std::string_view field,
   if (!value || (*value >= least && *value <= most)) return;
   throw ContractError("invalid_parameter", "\"" + std::string(field) + "\" must be " + std::to_string(least) + " to " +
                                                std::to_string(most) + ", not " + std::to_string(*value) + ".");
+}
+
+// An absent value passes.
+inline void check_range(const std::optional<double>& value, std::string_view field, double least, double most) {
+  if (!value || (*value >= least && *value <= most)) return;
+  throw ContractError("invalid_parameter", "\"" + std::string(field) + "\" must be " + Json(least).dump() + " to " +
+                                               Json(most).dump() + ", not " + Json(*value).dump() + ".");
 }
 
 // An absent value passes.

@@ -74,9 +74,12 @@ struct UploadEdge {
   std::int64_t vertex = 0;
   std::int64_t votes = 0;
   int inliers = 0;
+  bool confirmed = true;             // this and the next: as it stands now, also when an upload is repeated
+  std::optional<double> confidence;  // 0 to 1; null: nobody has judged it yet, and it is confirmed
   static constexpr auto fields() {
     using E = UploadEdge;
-    return std::tuple(field("vertex", &E::vertex), field("votes", &E::votes), field("inliers", &E::inliers));
+    return std::tuple(field("vertex", &E::vertex), field("votes", &E::votes), field("inliers", &E::inliers),
+                      field("confirmed", &E::confirmed), field("confidence", &E::confidence));
   }
   friend bool operator==(const UploadEdge&, const UploadEdge&) = default;
 };

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "client/contract/codec.h"
+#include "client/contract/edge_counts.h"
 
 namespace mapweld::contract {
 
@@ -67,7 +68,8 @@ struct Map {
   std::string kind = "map";  // "map", or "merged"
   std::string vocabulary;
   std::int64_t vertices = 0;
-  std::int64_t edges = 0;    // confirmed ones, inter-map edges included
+  std::int64_t edges = 0;  // confirmed ones, inter-map edges included
+  EdgeCounts edge_counts;
   std::int64_t ignored = 0;  // images that were not inserted
   std::string uuid;
   MapParameters parameters;
@@ -78,7 +80,8 @@ struct Map {
   std::int64_t revision = 0;          // grows with every change to the map
   static constexpr auto fields() {
     return std::tuple(field("name", &Map::name), field("kind", &Map::kind), field("vocabulary", &Map::vocabulary),
-                      field("vertices", &Map::vertices), field("edges", &Map::edges), field("ignored", &Map::ignored),
+                      field("vertices", &Map::vertices), field("edges", &Map::edges),
+                      field("edge_counts", &Map::edge_counts), field("ignored", &Map::ignored),
                       field("uuid", &Map::uuid), field("parameters", &Map::parameters), field("labels", &Map::labels),
                       field("members", &Map::members), omitted_when_empty("merge", &Map::merge),
                       field("created_at", &Map::created_at), field("revision", &Map::revision));

@@ -28,6 +28,7 @@ void check(const SubmitMerge& request) {
     if (request.parameters->max_false_alarms && !(*request.parameters->max_false_alarms > 0)) {
       throw ContractError("invalid_parameter", "\"parameters.max_false_alarms\" must be greater than 0.");
     }
+    check_range(request.parameters->min_confidence, "parameters.min_confidence", 0.0, 1.0);
     check_one_of(request.parameters->votes, "parameters.votes", {"min", "product"});
   }
   if (request.budget) check(*request.budget);

@@ -32,11 +32,13 @@ struct MergeParameters {
   std::optional<double> max_false_alarms;  // an accepted pair's number of false alarms is at most this; > 0
   std::optional<std::string> votes;        // "min" or "product"
   std::optional<bool> alias_guard;
+  std::optional<double> min_confidence;  // of a confirmed edge, where the guard judges; 0 to 1
   static constexpr auto fields() {
     using P = MergeParameters;
-    return std::tuple(omitted_when_empty("min_votes", &P::min_votes),
-                      omitted_when_empty("min_inliers", &P::min_inliers), omitted_when_empty("votes", &P::votes),
-                      omitted_when_empty("alias_guard", &P::alias_guard));
+    return std::tuple(
+        omitted_when_empty("min_votes", &P::min_votes), omitted_when_empty("min_inliers", &P::min_inliers),
+        omitted_when_empty("max_false_alarms", &P::max_false_alarms), omitted_when_empty("votes", &P::votes),
+        omitted_when_empty("alias_guard", &P::alias_guard), omitted_when_empty("min_confidence", &P::min_confidence));
   }
   friend bool operator==(const MergeParameters&, const MergeParameters&) = default;
 };
@@ -99,13 +101,14 @@ struct MemberPair {
   std::int64_t verified = 0;           // candidates with a verdict
   std::int64_t accepted = 0;           // of them, edges
   std::int64_t confirmed = 0;          // of those
+  EdgeCounts edge_counts;              // the last two again
   std::int64_t independent_joins = 0;  // the fewest images whose removal would split the two again
   std::string verdict = "undecided";   // joined, not_joined, ambiguous, undecided
   static constexpr auto fields() {
     using P = MemberPair;
     return std::tuple(field("maps", &P::maps), field("verified", &P::verified), field("accepted", &P::accepted),
-                      field("confirmed", &P::confirmed), field("independent_joins", &P::independent_joins),
-                      field("verdict", &P::verdict));
+                      field("confirmed", &P::confirmed), field("edge_counts", &P::edge_counts),
+                      field("independent_joins", &P::independent_joins), field("verdict", &P::verdict));
   }
   friend bool operator==(const MemberPair&, const MemberPair&) = default;
 };
@@ -142,7 +145,8 @@ struct Merge {
   std::int64_t step = 0;
   WordProgress words;
   CandidateProgress candidates;
-  std::int64_t edges = 0;  // inter-map edges
+  std::int64_t edges = 0;  // inter-map edges, verified ones
+  EdgeCounts edge_counts;  // the same, and how many of them the merged map has
   std::int64_t components = 0;
   double algebraic_connectivity = 0;
   LargestComponent largest_component;
@@ -167,10 +171,10 @@ struct Merge {
         field("id", &M::id), field("state", &M::state), field("method", &M::method), field("maps", &M::maps),
         field("map", &M::map), field("seed", &M::seed), field("parameters", &M::parameters), field("phase", &M::phase),
         field("step", &M::step), field("words", &M::words), field("candidates", &M::candidates),
-        field("edges", &M::edges), field("components", &M::components),
+        field("edges", &M::edges), field("edge_counts", &M::edge_counts), field("components", &M::components),
         field("algebraic_connectivity", &M::algebraic_connectivity), field("largest_component", &M::largest_component),
-        field("joined", &M::joined), field("independent_joins", &M::independent_joins),
-        field("pairs", &M::pairs), field("certified_fraction", &M::certified_fraction), field("estimated_fraction", &M::estimated_fraction),
+        field("joined", &M::joined), field("independent_joins", &M::independent_joins), field("pairs", &M::pairs),
+        field("certified_fraction", &M::certified_fraction), field("estimated_fraction", &M::estimated_fraction),
         field("joinable_vertices", &M::joinable_vertices), field("elapsed_s", &M::elapsed_s),
         field("budget", &M::budget), field("remaining", &M::remaining), field("eta_s", &M::eta_s),
         field("checkpoint", &M::checkpoint), field("stop_reason", &M::stop_reason), field("error", &M::error),
@@ -184,7 +188,8 @@ struct CurvePoint {
   std::int64_t step = 0;
   double elapsed_s = 0;
   std::int64_t verifications = 0;
-  std::int64_t edges = 0;
+  std::int64_t edges = 0;                 // verified ones
+  std::optional<EdgeCounts> edge_counts;  // null where an older server kept the point
   std::int64_t components = 0;
   double algebraic_connectivity = 0;
   LargestComponent largest_component;
@@ -192,11 +197,11 @@ struct CurvePoint {
   std::string phase;
   static constexpr auto fields() {
     using C = CurvePoint;
-    return std::tuple(field("step", &C::step), field("elapsed_s", &C::elapsed_s),
-                      field("verifications", &C::verifications), field("edges", &C::edges),
-                      field("components", &C::components), field("algebraic_connectivity", &C::algebraic_connectivity),
-                      field("largest_component", &C::largest_component),
-                      field("certified_fraction", &C::certified_fraction), field("phase", &C::phase));
+    return std::tuple(
+        field("step", &C::step), field("elapsed_s", &C::elapsed_s), field("verifications", &C::verifications),
+        field("edges", &C::edges), field("edge_counts", &C::edge_counts), field("components", &C::components),
+        field("algebraic_connectivity", &C::algebraic_connectivity), field("largest_component", &C::largest_component),
+        field("certified_fraction", &C::certified_fraction), field("phase", &C::phase));
   }
   friend bool operator==(const CurvePoint&, const CurvePoint&) = default;
 };
@@ -209,10 +214,15 @@ struct MergeEdge {
   int inliers = 0;
   std::int64_t verifications = 0;  // of the merge, when the edge was inserted
   double elapsed_s = 0;            // likewise
+  bool confirmed = true;           // this and what follows: as it stands now
+  std::optional<double> confidence;
+  std::optional<std::string> reason;  // why it is not confirmed
   static constexpr auto fields() {
     using E = MergeEdge;
     return std::tuple(field("u", &E::u), field("v", &E::v), field("votes", &E::votes), field("inliers", &E::inliers),
-                      field("verifications", &E::verifications), field("elapsed_s", &E::elapsed_s));
+                      field("verifications", &E::verifications), field("elapsed_s", &E::elapsed_s),
+                      field("confirmed", &E::confirmed), field("confidence", &E::confidence),
+                      omitted_when_empty("reason", &E::reason));
   }
   friend bool operator==(const MergeEdge&, const MergeEdge&) = default;
 };

@@ -35,6 +35,20 @@ struct PointMatch {
   friend bool operator==(const PointMatch&, const PointMatch&) = default;
 };
 
+// One thing that an edge's confidence is made of.
+struct Evidence {
+  std::string name;
+  double value = 0;              // as it was measured
+  std::optional<double> weight;  // what it adds to the log-odds of the confidence; null: a bar, or shown only
+  std::string says;              // what it measures, in words
+  static constexpr auto fields() {
+    using E = Evidence;
+    return std::tuple(field("name", &E::name), field("value", &E::value), field("weight", &E::weight),
+                      field("says", &E::says));
+  }
+  friend bool operator==(const Evidence&, const Evidence&) = default;
+};
+
 // GET /v1/merges/{id}/pairs/{u}/{v}; u < v, numbers of the merged map.
 struct Pair {
   std::int64_t u = 0;
@@ -44,6 +58,9 @@ struct Pair {
   std::optional<int> inliers;         // likewise
   std::string verdict;                // one of kPairVerdicts
   std::optional<std::string> reason;  // why there is no edge; null for accepted (and confirmed) and pending
+  std::optional<bool> confirmed;      // of an accepted pair: whether its edge is one of the map's; null for any other
+  std::optional<double> confidence;   // of an accepted pair, 0 to 1; null: nobody has judged it
+  std::optional<std::vector<Evidence>> evidence;  // what the confidence is made of
   // With ?matches=true only. Where there was no verdict, the verifier is asked for the answer; that changes no verdict.
   std::optional<std::string> kind;                        // of the geometry: "fundamental", "homography", "none"
   std::optional<double> log10_false_alarms;               // of the inliers, by chance; 300: no model at all
@@ -52,7 +69,8 @@ struct Pair {
     using P = Pair;
     return std::tuple(field("u", &P::u), field("v", &P::v), field("votes", &P::votes), field("matches", &P::matches),
                       field("inliers", &P::inliers), field("verdict", &P::verdict), field("reason", &P::reason),
-                      omitted_when_empty("kind", &P::kind),
+                      field("confirmed", &P::confirmed), field("confidence", &P::confidence),
+                      omitted_when_empty("evidence", &P::evidence), omitted_when_empty("kind", &P::kind),
                       omitted_when_empty("log10_false_alarms", &P::log10_false_alarms),
                       omitted_when_empty("inlier_matches", &P::inlier_matches));
   }

@@ -42,11 +42,12 @@ std::optional<T> left_of(const std::optional<T>& allowance, T granted_at, T spen
 double seconds_between(Timestamp from, Timestamp to) { return std::chrono::duration<double>(to - from).count(); }
 
 MergeProgress stored_progress(const MergeRow& row) {
-  MergeProgress progress = read_json(row, row.progress, [](const Json& json) {
+  MergeProgress progress = read_json(row, row.progress, [&row](const Json& json) {
     MergeProgress p;
     p.words_done = json.value("words_done", std::uint64_t{0});
     p.words_total = json.value("words_total", std::uint64_t{0});
     p.candidates_known = json.value("candidates_known", std::uint64_t{0});
+    p.confirmed = json.value("confirmed", row.spent.edges);
     p.metrics.components = json.value("components", std::uint32_t{0});
     p.metrics.algebraic_connectivity = json.value("algebraic_connectivity", 0.0);
     p.metrics.largest_vertices = json.value("largest_vertices", std::uint32_t{0});
@@ -78,7 +79,8 @@ std::string to_row(const MergeParameters& parameters) {
               {"min_inliers", parameters.min_inliers},
               {"max_false_alarms", parameters.max_false_alarms},
               {"votes", parameters.votes == VoteRule::kProduct ? "product" : "min"},
-              {"alias_guard", parameters.alias_guard}}
+              {"alias_guard", parameters.alias_guard},
+              {"min_confidence", parameters.min_confidence}}
       .dump();
 }
 
@@ -100,6 +102,7 @@ std::string to_row(const MergeProgress& progress) {
   Json json{{"words_done", progress.words_done},
             {"words_total", progress.words_total},
             {"candidates_known", progress.candidates_known},
+            {"confirmed", progress.confirmed},
             {"components", progress.metrics.components},
             {"algebraic_connectivity", progress.metrics.algebraic_connectivity},
             {"largest_vertices", progress.metrics.largest_vertices},
@@ -127,6 +130,7 @@ MergeParameters parameters_of(const MergeRow& row) {
     p.max_false_alarms = json.value("max_false_alarms", p.max_false_alarms);
     p.votes = json.value("votes", "min") == "product" ? VoteRule::kProduct : VoteRule::kMin;
     p.alias_guard = json.value("alias_guard", p.alias_guard);
+    p.min_confidence = json.value("min_confidence", p.min_confidence);
     return p;
   });
 }
@@ -167,6 +171,7 @@ MergeStatus status_of(const MergeRow& row, const std::vector<MemberRow>& members
   status.words = {progress.words_done, progress.words_total};
   status.candidates = {progress.candidates_known, progress.verifications, progress.edges};
   status.edges = progress.edges;
+  status.confirmed_edges = progress.confirmed;
   status.components = progress.metrics.components;
   status.algebraic_connectivity = progress.metrics.algebraic_connectivity;
   status.largest_component = {progress.metrics.largest_vertices, progress.metrics.largest_algebraic_connectivity};

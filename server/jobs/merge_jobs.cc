@@ -295,6 +295,7 @@ Page<MergeCurvePoint> MergeJobs::curve(std::int64_t id, std::size_t limit,
             .elapsed_s = row.elapsed_s,
             .verifications = row.verifications,
             .edges = row.edges,
+            .confirmed_edges = row.confirmed,
             .components = row.components,
             .algebraic_connectivity = row.algebraic_connectivity,
             .largest_component = {row.largest_vertices, row.largest_algebraic_connectivity},
@@ -317,7 +318,10 @@ Page<MergeEdgePoint> MergeJobs::edges(std::int64_t id, std::size_t limit,
             .votes = row.votes,
             .inliers = row.inliers,
             .verifications = row.verifications,
-            .elapsed_s = row.elapsed_s};
+            .elapsed_s = row.elapsed_s,
+            .confirmed = row.confirmed,
+            .confidence = row.confidence,
+            .doubt = row.doubt};
   };
   return make_page<MergeEdgePoint>(list_merge_edges(db, JobId{id}, limit + 1, from), limit, describe,
                                    [](const EdgeRow& row) { return to_index(row.id); });

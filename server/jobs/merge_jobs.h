@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/geometry/pair_verifier.h"
+#include "core/merge/guard_evidence.h"
 #include "core/merge/member_table.h"
 #include "core/types.h"
 #include "schema/merge_store.h"
@@ -49,6 +50,7 @@ struct MergeParameters {
   double max_false_alarms = VerifierOptions{}.max_false_alarms;  // > 0
   VoteRule votes = VoteRule::kMin;
   bool alias_guard = false;  // confirm only what core/merge/alias_guard.h confirms; otherwise every edge is
+  double min_confidence = kDefaultMinConfidence;  // of a confirmed edge, where the guard judges; 0 .. 1
   friend bool operator==(const MergeParameters&, const MergeParameters&) = default;
 };
 
@@ -106,7 +108,8 @@ struct MergeStatus {
   std::uint64_t step = 0;
   WordProgress words;
   CandidateProgress candidates;
-  std::uint64_t edges = 0;
+  std::uint64_t edges = 0;            // verified ones
+  std::uint64_t confirmed_edges = 0;  // of them: the edges that the merged map has
   std::uint64_t components = 0;
   double algebraic_connectivity = 0;
   LargestComponent largest_component;
@@ -130,7 +133,8 @@ struct MergeCurvePoint {
   std::uint64_t step = 0;
   double elapsed_s = 0;
   std::uint64_t verifications = 0;
-  std::uint64_t edges = 0;
+  std::uint64_t edges = 0;                       // verified ones
+  std::optional<std::uint64_t> confirmed_edges;  // of them; none: an older program kept this point
   std::uint64_t components = 0;
   double algebraic_connectivity = 0;
   LargestComponent largest_component;
@@ -145,6 +149,9 @@ struct MergeEdgePoint {
   std::uint32_t inliers = 0;
   std::uint64_t verifications = 0;  // as they stood when the edge was inserted
   double elapsed_s = 0;
+  bool confirmed = true;             // this and what follows: as it stands now
+  std::optional<double> confidence;  // none: not judged
+  std::string doubt;                 // why it is not confirmed
 };
 
 // A page of a list. `next` is the cursor of the page after it: give it back as `after`; empty at the end.

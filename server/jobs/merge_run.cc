@@ -73,7 +73,9 @@ class Run {
       merger_ = make_merger(std::move(loaded.input));
     }
     verifications_before_ = merger_->state().verifications;
-    watch_ = std::make_unique<MergeWatch>(*merger_, parameters_of(row_).alias_guard);
+    const MergeParameters parameters = parameters_of(row_);
+    watch_ = std::make_unique<MergeWatch>(
+        *merger_, parameters.alias_guard ? std::optional(parameters.min_confidence) : std::nullopt);
   }
 
   void execute() {
@@ -145,6 +147,7 @@ class Run {
     watch_->measure_edges(exact);
     measured_edges_ = state.edges.size();
     progress_.metrics = watch_->metrics();
+    progress_.confirmed = watch_->confirmed_edges();
     progress_.members = watch_->members();
     progress_.certified = watch_->certified();
     if (had_new_edges) metrics_cost_s_ = elapsed_s() - began_s;
@@ -169,8 +172,8 @@ class Run {
     last_curve_s_ = elapsed_s();
     if (!curve_.empty() && curve_.back().step == state.step) curve_.pop_back();
     const MergeMetrics& m = progress_.metrics;
-    curve_.push_back({state.step, last_curve_s_, state.verifications, state.edges.size(), m.components,
-                      m.algebraic_connectivity, m.largest_vertices, m.largest_algebraic_connectivity,
+    curve_.push_back({state.step, last_curve_s_, state.verifications, state.edges.size(), progress_.confirmed,
+                      m.components, m.algebraic_connectivity, m.largest_vertices, m.largest_algebraic_connectivity,
                       progress_.certified ? std::optional(progress_.certified->certified_fraction) : std::nullopt,
                       std::string(to_string(state.phase))});
   }
@@ -201,6 +204,7 @@ class Run {
     const std::vector<blobs::MergeStatePart> encoded = blobs::encode_merge_state(state, mark_);
     std::vector<CheckpointPart> parts;
     for (const blobs::MergeStatePart& part : encoded) parts.push_back({part.name, part.bytes});
+    MergeWatch::Judgements judgements = watch_->tell_judgements(edges_stored_, end.has_value());
     std::vector<NewEdge> edges;
     for (std::size_t i = edges_stored_; i < state.edges.size(); ++i) {
       const MergeEdge& e = state.edges[i];
@@ -208,7 +212,7 @@ class Run {
                        .v = e.v,
                        .votes = e.votes,
                        .verification = e.verification,
-                       .doubt = watch_->doubt(i),
+                       .judgement = std::move(judgements.of_the_new[i - edges_stored_]),
                        .verifications = e.verifications,
                        .elapsed_s = edge_times_s_[i - edges_stored_]});
     }
@@ -220,14 +224,13 @@ class Run {
     checkpoint.edges = edges;
     checkpoint.curve_points = curve_;
     checkpoint.now = now();
-    const std::vector<EdgeDoubt> doubts = watch_->changed_doubts(edges_stored_);
     {
       WriteTransaction db = store_.write();
       const PairVerifier& verifier = *merger_->input().verifier;
       if (!edges.empty()) checkpoint.verifier = intern_verifier(db, verifier.version(), to_row(verifier.options()));
       checkpoint.spent = {elapsed_s(), state.verifications, state.edges.size()};
       if (!save_checkpoint(db, job_, control_.epoch(), checkpoint)) throw FencedOff{};
-      set_doubts(db, row_.map, doubts);
+      set_judgements(db, row_.map, judgements.changed);
       if (end && !end_run(db, job_, control_.epoch(), *end)) throw FencedOff{};
       db.commit();
     }

@@ -46,6 +46,9 @@ void check(const MergeParameters& parameters) {
   if (!(std::isfinite(parameters.max_false_alarms) && parameters.max_false_alarms > 0)) {
     refuse("invalid_parameter", "\"max_false_alarms\" must be greater than 0.");
   }
+  if (!(parameters.min_confidence >= 0 && parameters.min_confidence <= 1)) {
+    refuse("invalid_parameter", "\"min_confidence\" must be between 0 and 1.");
+  }
 }
 
 std::vector<MapRow> require_members(const Reader& db, const MergeRequest& request) {

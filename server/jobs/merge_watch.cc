@@ -1,7 +1,9 @@
 #include "server/jobs/merge_watch.h"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
+#include <utility>
 
 #include "core/merge/fraction_stop.h"
 
@@ -9,17 +11,13 @@ namespace mapweld::server {
 
 void MergeWatch::judge() {
   const std::vector<MergeEdge>& edges = merger_.state().edges;
-  if (!guards_ || doubts_.size() == edges.size()) return;
+  if (!guards() || verdicts_.size() == edges.size()) return;
   const MergeInput& input = merger_.input();
-  if (!guard_) guard_.emplace(input.members, input.inner_edges, *input.appearances);
-  doubts_.clear();
-  for (const GuardVerdict& verdict : guard_->verdicts(edges)) doubts_.push_back(verdict.reason);
-}
-
-std::vector<bool> MergeWatch::confirmed() const {
-  std::vector<bool> all;
-  for (const Reason doubt : doubts_) all.push_back(doubt == Reason::kNone);
-  return all;
+  if (!guard_) {
+    guard_.emplace(input.members, input.inner_edges, *input.appearances,
+                   AliasGuardOptions{.min_confidence = *min_confidence_});
+  }
+  verdicts_ = guard_->verdicts(edges);
 }
 
 AppearanceGraph MergeWatch::confirmed_graph() const {
@@ -27,7 +25,7 @@ AppearanceGraph MergeWatch::confirmed_graph() const {
   AppearanceGraph graph(merger_.graph().vertices(), input.inner_edges);
   const std::vector<MergeEdge>& edges = merger_.state().edges;
   for (std::size_t e = 0; e < edges.size(); ++e) {
-    if (doubts_[e] != Reason::kNone) continue;
+    if (!is_confirmed(e)) continue;
     graph.add_edge(edges[e].u, edges[e].v, static_cast<std::uint32_t>(edges[e].verification.inliers));
   }
   return graph;
@@ -42,21 +40,25 @@ void MergeWatch::measure_edges(bool exact) {
     const auto measure = [&](const AppearanceGraph& graph, std::span<const MergeEdge> edges) {
       return exact ? merge_metrics(graph, members, edges) : follower_.measure(graph, members, edges);
     };
-    if (guards_) {
+    if (guards()) {
       std::vector<MergeEdge> standing;
       for (std::size_t e = 0; e < state.edges.size(); ++e) {
-        if (doubts_[e] == Reason::kNone) standing.push_back(state.edges[e]);
+        if (is_confirmed(e)) standing.push_back(state.edges[e]);
       }
       metrics_ = measure(confirmed_graph(), standing);
+      confirmed_edges_ = standing.size();
     } else {
       metrics_ = measure(merger_.graph(), state.edges);
+      confirmed_edges_ = state.edges.size();
     }
     // An older certificate still holds while edges come to the same component; for another one it says nothing, nor
     // when edges may have been taken back.
     const std::pair now{metrics_.components, metrics_.largest_vertices};
-    if (guards_ || certified_for_ != now) certified_.reset();
+    if (guards() || certified_for_ != now) certified_.reset();
   }
-  members_ = member_table(members, state.edges, state.rejected, confirmed(), merger_.done());
+  std::vector<bool> confirmed(state.edges.size());
+  for (std::size_t e = 0; e < confirmed.size(); ++e) confirmed[e] = is_confirmed(e);
+  members_ = member_table(members, state.edges, state.rejected, confirmed, merger_.done());
 }
 
 void MergeWatch::measure_certificate() {
@@ -64,15 +66,15 @@ void MergeWatch::measure_certificate() {
   certified_.reset();
   if (!open) return;
   Certificate certificate;
-  if (guards_) {
+  if (guards()) {
     // What is verified may be confirmed yet.
     judge();
     const std::vector<MergeEdge>& edges = merger_.state().edges;
-    const auto standing = static_cast<double>(std::ranges::count(doubts_, Reason::kNone));
+    const auto standing = static_cast<double>(std::ranges::count_if(verdicts_, &GuardVerdict::confirmed));
     const double chance = (standing + 1) / (static_cast<double>(edges.size()) + 2);
     if (!merger_.done()) {
       for (std::size_t e = 0; e < edges.size(); ++e) {
-        if (doubts_[e] != Reason::kNone) open->push_back({edges[e].u, edges[e].v, chance / 2});
+        if (!is_confirmed(e)) open->push_back({edges[e].u, edges[e].v, chance / 2});
       }
     }
     certificate = certify(confirmed_graph(), *open);
@@ -83,22 +85,29 @@ void MergeWatch::measure_certificate() {
   certified_ = Certified{certificate.certified_fraction, certificate.estimated_fraction, certificate.joinable_vertices};
 }
 
-Reason MergeWatch::doubt(std::size_t edge) {
-  if (!guards_) return Reason::kNone;
-  judge();
-  return doubts_[edge];
-}
-
-std::vector<EdgeDoubt> MergeWatch::changed_doubts(std::size_t count) {
-  std::vector<EdgeDoubt> changed;
-  if (!guards_) return changed;
-  judge();
+MergeWatch::Judgements MergeWatch::tell_judgements(std::size_t stored, bool all) {
   const std::vector<MergeEdge>& edges = merger_.state().edges;
-  for (std::size_t e = 0; e < count; ++e) {
-    if (e >= told_.size() || told_[e] != doubts_[e]) changed.push_back({edges[e].u, edges[e].v, doubts_[e]});
+  Judgements judgements;
+  judgements.of_the_new.resize(edges.size() - stored);
+  if (!guards()) return judgements;
+  judge();
+  const std::size_t told_before = told_.size();
+  told_.resize(edges.size());
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    const GuardVerdict& verdict = verdicts_[e];
+    if (e < stored && e < told_before && told_[e].doubt == verdict.reason) {
+      const double moved = std::abs(told_[e].confidence - verdict.confidence);
+      if (moved == 0 || (!all && moved < kTellingConfidence)) continue;
+    }
+    told_[e] = {verdict.confidence, verdict.reason};
+    EdgeJudgement judgement{verdict.confidence, verdict.reason, evidence_items(verdict.evidence)};
+    if (e < stored) {
+      judgements.changed.push_back({edges[e].u, edges[e].v, std::move(judgement)});
+    } else {
+      judgements.of_the_new[e - stored] = std::move(judgement);
+    }
   }
-  told_ = doubts_;
-  return changed;
+  return judgements;
 }
 
 }  // namespace mapweld::server

@@ -16,12 +16,16 @@
 
 namespace mapweld::server {
 
+// A confidence that moved by less is not worth a write while a merge runs.
+inline constexpr double kTellingConfidence = 0.01;
+
 // Only looks on: the merge is the same whether and whenever it is asked. Used by one thread.
 class MergeWatch {
  public:
-  // `merger` must outlive this. With `guards` the alias guard judges its edges, and metrics speak of the confirmed
-  // ones.
-  MergeWatch(const Merger& merger, bool guards) : merger_(merger), guards_(guards) {}
+  // `merger` must outlive this. With a `min_confidence` the alias guard judges its edges, and metrics speak of the
+  // confirmed ones; without, every edge is confirmed.
+  MergeWatch(const Merger& merger, std::optional<double> min_confidence)
+      : merger_(merger), min_confidence_(min_confidence) {}
 
   // Measures what can have changed since the last time; a certificate that no longer says anything is forgotten. With
   // `exact` every number is computed anew: how often it was asked before then leaves no trace in the last digits.
@@ -30,31 +34,42 @@ class MergeWatch {
   void measure_certificate();
 
   const MergeMetrics& metrics() const { return metrics_; }
+  // How many edges were confirmed when they were measured last.
+  std::uint64_t confirmed_edges() const { return confirmed_edges_; }
   const std::optional<Certified>& certified() const { return certified_; }
   const std::vector<MemberPairSummary>& members() const { return members_; }
 
-  // Why the guard withholds an edge, by its place among the merge's edges; kNone: confirmed. Judges the edges that have
-  // come since.
-  Reason doubt(std::size_t edge);
-  // What is doubted otherwise than when this was last asked, of the first `edges` edges (at first: all of them).
-  std::vector<EdgeDoubt> changed_doubts(std::size_t edges);
+  // What is thought of the merge's edges now that was not told yet, or is thought otherwise: of the first `stored`
+  // ones, whose rows are there, and of those beyond them, in their order. Confidences that moved by less than
+  // kTellingConfidence while the edge stayed confirmed, or withheld, wait until `all` is asked for.
+  struct Judgements {
+    std::vector<JudgedEdge> changed;        // of the first `stored` edges
+    std::vector<EdgeJudgement> of_the_new;  // one for each edge from `stored` on
+  };
+  Judgements tell_judgements(std::size_t stored, bool all);
 
  private:
+  bool guards() const { return min_confidence_.has_value(); }
   void judge();
+  bool is_confirmed(std::size_t edge) const { return !guards() || verdicts_[edge].confirmed(); }
   AppearanceGraph confirmed_graph() const;
-  std::vector<bool> confirmed() const;
 
   const Merger& merger_;
-  const bool guards_;
+  const std::optional<double> min_confidence_;
   MergeMetricsFollower follower_;
   MergeMetrics metrics_;
   std::optional<Certified> certified_;
   std::pair<std::uint32_t, std::uint32_t> certified_for_;  // components, vertices of the largest
   std::vector<MemberPairSummary> members_;
   std::optional<std::size_t> measured_edges_;
-  std::optional<AliasGuard> guard_;  // made when there is an edge to judge
-  std::vector<Reason> doubts_;       // guards: by edge
-  std::vector<Reason> told_;         // as changed_doubts told them last
+  std::uint64_t confirmed_edges_ = 0;
+  std::optional<AliasGuard> guard_;     // made when there is an edge to judge
+  std::vector<GuardVerdict> verdicts_;  // guards: by edge
+  struct Told {
+    double confidence = 0;
+    Reason doubt = Reason::kNone;
+  };
+  std::vector<Told> told_;  // as tell_judgements told them last
 };
 
 }  // namespace mapweld::server

@@ -39,7 +39,8 @@ struct MergeProgress {
   std::uint64_t words_total = 0;
   std::uint64_t candidates_known = 0;
   std::uint64_t verifications = 0;
-  std::uint64_t edges = 0;
+  std::uint64_t edges = 0;      // verified ones
+  std::uint64_t confirmed = 0;  // of them, as of the metrics
   double elapsed_s = 0;
   std::optional<double> eta_s;
   MergeMetrics metrics;

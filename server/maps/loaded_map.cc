@@ -75,6 +75,18 @@ VertexId LoadedMap::append(std::shared_ptr<const AppearanceVector> vector, std::
   return added;
 }
 
+void LoadedMap::set_linked(VertexId u, VertexId v, bool linked) {
+  const std::unique_lock lock(mutex_);
+  const auto set = [&](VertexId from, VertexId to) {
+    std::vector<VertexId>& links = neighbours_.at(to_index(from));
+    const auto found = std::ranges::find(links, to);
+    if (linked && found == links.end()) links.push_back(to);
+    if (!linked && found != links.end()) links.erase(found);
+  };
+  set(u, v);
+  set(v, u);
+}
+
 void LoadedMap::commit() { committed_ = static_cast<std::uint32_t>(vectors_.size()); }
 
 void LoadedMap::rollback() {

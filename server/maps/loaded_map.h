@@ -31,6 +31,8 @@ class LoadedMap final : public LeafSource {
 
   // Adds the next vertex with its edges to earlier ones; not stored yet, so readers do not look for it yet.
   VertexId append(std::shared_ptr<const AppearanceVector> vector, std::span<const VertexId> neighbours);
+  // An edge between two vertices that are stored counts from now on, or no longer does.
+  void set_linked(VertexId u, VertexId v, bool linked);
   // What was appended is stored.
   void commit();
   // Storing failed: forgets what was appended since the last commit().

@@ -74,6 +74,21 @@ std::unique_lock<std::mutex> MapCache::writer_turn(MapId map) {
   return std::unique_lock(*turn);
 }
 
+void MapCache::follow_judgements(MapId map, std::span<const JudgedEdge> edges) {
+  std::shared_ptr<Entry> entry;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = entries_.find(map);
+    if (found == entries_.end()) return;
+    entry = found->second;
+  }
+  const std::lock_guard loading(entry->loading);
+  if (!entry->map) return;
+  for (const JudgedEdge& edge : edges) {
+    entry->map->set_linked(edge.u, edge.v, edge.judgement.doubt == Reason::kNone);
+  }
+}
+
 void MapCache::forget(MapId map) {
   const std::lock_guard lock(mutex_);
   entries_.erase(map);

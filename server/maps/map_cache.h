@@ -5,7 +5,9 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <span>
 
+#include "schema/edge_store.h"
 #include "schema/map_store.h"
 #include "schema/store.h"
 #include "server/maps/loaded_map.h"
@@ -25,6 +27,10 @@ class MapCache {
 
   // Held while a plain map is written to. Also serves maps that are not in memory.
   std::unique_lock<std::mutex> writer_turn(MapId map);
+
+  // What is thought of a plain map's edges was changed (schema/edge_store.h, set_judgements), and that is committed:
+  // the map in memory follows. To be called by whoever has held the map's turn since before the transaction.
+  void follow_judgements(MapId map, std::span<const JudgedEdge> edges);
 
   // A map was deleted. Who still has it open keeps it until done.
   void forget(MapId map);

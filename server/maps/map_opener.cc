@@ -13,8 +13,9 @@ std::uint64_t shown_revision(const Reader& db, const MapLayout& layout) {
   const bool merged = layout.nodes().front().kind == MapKind::kMerged;
   std::uint64_t revision = 0;
   for (const LayoutNode& node : layout.nodes()) {
-    if (merged && node.kind != MapKind::kMerged) continue;
-    if (const std::optional<MapRow> row = find_map(db, node.map)) revision += row->revision;
+    const std::optional<MapRow> row = find_map(db, node.map);
+    if (!row) continue;
+    revision += merged && node.kind != MapKind::kMerged ? row->judgements : row->revision;
   }
   return revision;
 }

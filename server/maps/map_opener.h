@@ -14,7 +14,8 @@
 namespace mapweld::server {
 
 // Changes whenever what the map shows does: a plain map's revision; of a merged map the sum over all merged maps that
-// it is made of, as what its plain members gain beyond their watermarks does not show.
+// it is made of, and how often the edges of the plain ones were judged: what these gain beyond their watermarks does
+// not show.
 std::uint64_t shown_revision(const Reader& db, const MapLayout& layout);
 
 // Thread-safe.

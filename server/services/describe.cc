@@ -67,6 +67,7 @@ contract::Edge describe_edge(const EdgeRow& row) {
   edge.inliers = static_cast<int>(row.inliers);
   edge.log10_false_alarms = row.log10_false_alarms;
   edge.confirmed = row.confirmed;
+  edge.confidence = row.confidence;
   if (!row.confirmed) edge.reason = row.doubt;
   if (row.job) edge.merge = to_index(*row.job);
   return edge;

@@ -93,6 +93,7 @@ class GraphmlFormat final : public Format {
            "<key id=\"weight\" for=\"edge\" attr.name=\"weight\" attr.type=\"int\"/>\n"
            "<key id=\"log10_false_alarms\" for=\"edge\" attr.name=\"log10_false_alarms\" attr.type=\"double\"/>\n"
            "<key id=\"confirmed\" for=\"edge\" attr.name=\"confirmed\" attr.type=\"boolean\"/>\n"
+           "<key id=\"confidence\" for=\"edge\" attr.name=\"confidence\" attr.type=\"double\"/>\n"
            "<graph id=\"" +
            escape_xml(map) + "\" edgedefault=\"undirected\">\n";
   }
@@ -106,7 +107,8 @@ class GraphmlFormat final : public Format {
            "\"><data key=\"kind\">" + edge.kind + "</data><data key=\"votes\">" + std::to_string(edge.votes) +
            "</data><data key=\"weight\">" + std::to_string(edge.inliers) + "</data><data key=\"log10_false_alarms\">" +
            number(edge.log10_false_alarms) + "</data><data key=\"confirmed\">" + (edge.confirmed ? "true" : "false") +
-           "</data></edge>\n";
+           "</data>" + (edge.confidence ? "<data key=\"confidence\">" + number(*edge.confidence) + "</data>" : "") +
+           "</edge>\n";
   }
   std::string end() override { return "</graph>\n</graphml>\n"; }
 };
@@ -120,20 +122,22 @@ class DotFormat final : public Format {
   std::string edge(const contract::Edge& edge, bool) override {
     return "  " + std::to_string(edge.u) + " -- " + std::to_string(edge.v) +
            " [weight=" + std::to_string(edge.inliers) + (edge.kind == "inter" ? ", color=red" : "") +
-           (edge.confirmed ? "" : ", style=dashed") + "];\n";
+           (edge.confirmed ? "" : ", style=dashed") +
+           (edge.confidence ? ", confidence=" + number(*edge.confidence) : "") + "];\n";
   }
   std::string end() override { return "}\n"; }
 };
 
 class CsvFormat final : public Format {
   std::string begin(const std::string&) override {
-    return "u,v,kind,votes,inliers,log10_false_alarms,confirmed,merge\r\n";
+    return "u,v,kind,votes,inliers,log10_false_alarms,confirmed,merge,confidence\r\n";
   }
   std::string vertex(const contract::Vertex&, bool) override { return ""; }
   std::string edge(const contract::Edge& edge, bool) override {
     return std::to_string(edge.u) + "," + std::to_string(edge.v) + "," + edge.kind + "," + std::to_string(edge.votes) +
            "," + std::to_string(edge.inliers) + "," + number(edge.log10_false_alarms) + "," +
-           (edge.confirmed ? "true" : "false") + "," + (edge.merge ? std::to_string(*edge.merge) : "") + "\r\n";
+           (edge.confirmed ? "true" : "false") + "," + (edge.merge ? std::to_string(*edge.merge) : "") + "," +
+           (edge.confidence ? number(*edge.confidence) : "") + "\r\n";
   }
   std::string end() override { return ""; }
   bool wants_vertices() const override { return false; }

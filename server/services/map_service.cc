@@ -122,13 +122,15 @@ contract::Map MapService::describe(const Reader& db, const MapRow& map) const {
   const std::optional<VocabularyRow> vocabulary = find_vocabulary(db, map.vocabulary);
   out.vocabulary = vocabulary ? vocabulary->name : "";
   out.vertices = map.vertices;
-  out.edges = static_cast<std::int64_t>(map.edges);
+  const MapLayout layout = load_layout(db, map.id);
+  out.edge_counts = {.verified = static_cast<std::int64_t>(count_edges(db, layout)),
+                     .confirmed = static_cast<std::int64_t>(count_edges(db, layout, {.confirmed = true}))};
+  out.edges = out.edge_counts.confirmed;
   out.ignored = static_cast<std::int64_t>(map.ignored);
   out.uuid = map.uuid;
   out.parameters = mapweld::server::describe(settings_of(map));
   out.labels = labels_of(map);
   if (map.kind == MapKind::kMerged) {
-    out.edges = static_cast<std::int64_t>(count_edges(db, load_layout(db, map.id), {.confirmed = true}));
     for (const MemberRow& member : list_members(db, map.id)) out.members.push_back({member.name, member.watermark});
     if (const std::optional<MergeRow> merge = find_merge_of(db, map.id)) out.merge = to_index(merge->id);
   }
@@ -195,7 +197,8 @@ contract::Page<contract::Edge> MapService::edges(const std::string& map_name, co
   const ReadTransaction db = store_.read();
   const MapRow map = require_map(db, map_name);
   const EdgePage found =
-      list_edges(db, load_layout(db, map.id), {.min_inliers = query.min_inliers, .inter = query.inter, .confirmed = query.confirmed}, page.limit,
+      list_edges(db, load_layout(db, map.id),
+                 {.min_inliers = query.min_inliers, .inter = query.inter, .confirmed = query.confirmed}, page.limit,
                  parse_edge_cursor(page.cursor));
   contract::Page<contract::Edge> out;
   for (const EdgeRow& edge : found.edges) out.items.push_back(describe_edge(edge));

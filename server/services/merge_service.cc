@@ -47,6 +47,10 @@ contract::LargestComponent describe(const LargestComponent& component) {
           .algebraic_connectivity = component.algebraic_connectivity};
 }
 
+contract::EdgeCounts counts_of(std::uint64_t verified, std::uint64_t confirmed) {
+  return {.verified = static_cast<std::int64_t>(verified), .confirmed = static_cast<std::int64_t>(confirmed)};
+}
+
 contract::MergeParameters describe(const MergeParameters& parameters) {
   contract::MergeParameters out;
   out.min_votes = static_cast<int>(parameters.min_votes);
@@ -54,6 +58,7 @@ contract::MergeParameters describe(const MergeParameters& parameters) {
   out.max_false_alarms = parameters.max_false_alarms;
   out.votes = parameters.votes == VoteRule::kProduct ? "product" : "min";
   out.alias_guard = parameters.alias_guard;
+  out.min_confidence = parameters.min_confidence;
   return out;
 }
 
@@ -73,6 +78,7 @@ contract::Merge describe(const MergeStatus& status) {
                       static_cast<std::int64_t>(status.candidates.verified),
                       static_cast<std::int64_t>(status.candidates.accepted)};
   merge.edges = static_cast<std::int64_t>(status.edges);
+  merge.edge_counts = counts_of(status.edges, status.confirmed_edges);
   merge.components = static_cast<std::int64_t>(status.components);
   merge.algebraic_connectivity = status.algebraic_connectivity;
   merge.largest_component = describe(status.largest_component);
@@ -85,6 +91,7 @@ contract::Merge describe(const MergeStatus& status) {
                            .verified = static_cast<std::int64_t>(pair.summary.verified),
                            .accepted = static_cast<std::int64_t>(pair.summary.accepted),
                            .confirmed = static_cast<std::int64_t>(pair.summary.confirmed),
+                           .edge_counts = counts_of(pair.summary.accepted, pair.summary.confirmed),
                            .independent_joins = pair.summary.independent_joins,
                            .verdict = std::string(to_string(pair.summary.verdict))});
   }
@@ -110,6 +117,8 @@ contract::CurvePoint describe(const MergeCurvePoint& point) {
           .elapsed_s = point.elapsed_s,
           .verifications = static_cast<std::int64_t>(point.verifications),
           .edges = static_cast<std::int64_t>(point.edges),
+          .edge_counts =
+              point.confirmed_edges ? std::optional(counts_of(point.edges, *point.confirmed_edges)) : std::nullopt,
           .components = static_cast<std::int64_t>(point.components),
           .algebraic_connectivity = point.algebraic_connectivity,
           .largest_component = describe(point.largest_component),
@@ -123,7 +132,10 @@ contract::MergeEdge describe(const MergeEdgePoint& edge) {
           .votes = edge.votes,
           .inliers = static_cast<int>(edge.inliers),
           .verifications = static_cast<std::int64_t>(edge.verifications),
-          .elapsed_s = edge.elapsed_s};
+          .elapsed_s = edge.elapsed_s,
+          .confirmed = edge.confirmed,
+          .confidence = edge.confidence,
+          .reason = edge.confirmed ? std::nullopt : std::optional(edge.doubt)};
 }
 
 template <typename Document, typename Item>
@@ -157,6 +169,7 @@ contract::Merge MergeService::submit(const contract::SubmitMerge& request) {
     if (from.max_false_alarms) to.max_false_alarms = *from.max_false_alarms;
     if (from.votes) to.votes = *from.votes == "product" ? VoteRule::kProduct : VoteRule::kMin;
     if (from.alias_guard) to.alias_guard = *from.alias_guard;
+    if (from.min_confidence) to.min_confidence = *from.min_confidence;
   }
   if (request.budget) merge.budget = budget_of(*request.budget);
   return describe(jobs_.submit(merge));

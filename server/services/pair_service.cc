@@ -7,6 +7,7 @@
 
 #include "client/contract/problem.h"
 #include "core/geometry/epipolar_verifier.h"
+#include "core/merge/guard_evidence.h"
 #include "core/retrieval/voting.h"
 #include "schema/blobs/merge_state_blob.h"
 #include "schema/edge_store.h"
@@ -76,6 +77,16 @@ contract::ImagePoint point_of(const AppearanceVector& image, std::uint16_t index
   return {.x_px = appearance.x_px, .y_px = appearance.y_px};
 }
 
+void add_evidence(contract::Pair& pair, const std::vector<EvidenceItem>& items) {
+  pair.evidence.emplace();
+  for (const EvidenceItem& item : items) {
+    pair.evidence->push_back({.name = item.name,
+                              .value = item.value,
+                              .weight = item.log_odds,
+                              .says = std::string(evidence_says(item.name))});
+  }
+}
+
 void add_matches(contract::Pair& pair, const AppearanceVector& u, const AppearanceVector& v,
                  const Verification& verification) {
   if (!pair.matches) pair.matches = verification.matches;
@@ -115,7 +126,10 @@ contract::Pair explain_pair(Store& store, std::int64_t id, std::uint32_t a, std:
     pair.verdict = "accepted";
     pair.matches = evidence.verification.matches;
     pair.inliers = evidence.verification.inliers;
+    pair.confirmed = edge->confirmed;
+    pair.confidence = edge->confidence;
     if (!edge->confirmed) pair.reason = edge->doubt;
+    if (edge->confidence) add_evidence(pair, evidence.made_of);
     if (with_matches) add_matches(pair, image_u, image_v, evidence.verification);
     return pair;
   }

@@ -31,7 +31,8 @@ contract::Quality measure(const AppearanceGraph& graph) {
   quality.min_degree = min_degree(graph);
   if (largest.components == 1) {
     quality.algebraic_connectivity = largest.connectivity.value;
-    quality.weighted_algebraic_connectivity = algebraic_connectivity(graph, AlgebraicConnectivityOptions{.weighting = Weighting::kInliers}).value;
+    quality.weighted_algebraic_connectivity =
+        algebraic_connectivity(graph, AlgebraicConnectivityOptions{.weighting = Weighting::kInliers}).value;
     quality.edge_connectivity = edge_connectivity(graph);
   }
   return quality;
@@ -96,6 +97,8 @@ contract::Quality QualityService::quality(const std::string& map_name) {
   }
   const std::vector<Edge> edges = load_edges(db, layout, {.confirmed = true});
   contract::Quality quality = measure(AppearanceGraph(layout.vertices(), edges));
+  quality.edge_counts = {.verified = static_cast<std::int64_t>(count_edges(db, layout)),
+                         .confirmed = static_cast<std::int64_t>(edges.size())};
   if (map.kind == MapKind::kMerged) {
     Joins joins = joins_of(db, map, layout);
     quality.joined = std::move(joins.members);

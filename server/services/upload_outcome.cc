@@ -41,7 +41,11 @@ UploadOutcome first_outcome(const Reader& db, const ImageRow& image) {
   UploadOutcome outcome{inserted(*image.vertex, image.name, image.features, image.reason)};
   for (const EdgeRow& edge : list_own_edges_at(db, image.map, *image.vertex)) {
     if (edge.v != *image.vertex) continue;  // made by a later image
-    outcome.upload.edges->push_back({to_index(edge.u), edge.votes, static_cast<int>(edge.inliers)});
+    outcome.upload.edges->push_back({.vertex = to_index(edge.u),
+                                     .votes = edge.votes,
+                                     .inliers = static_cast<int>(edge.inliers),
+                                     .confirmed = edge.confirmed,
+                                     .confidence = edge.confidence});
   }
   return outcome;
 }

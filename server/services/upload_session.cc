@@ -269,8 +269,12 @@ void UploadSession::write_one(WriteTransaction& db, Pending& pending, VerifierId
     edge.u = match.vertex;
     edge.votes = match.votes;
     edge.verification = mirrored(match.verification);  // found as verify(new, old), stored from old to new
+    outcome.upload.edges->push_back({.vertex = to_index(match.vertex),
+                                     .votes = match.votes,
+                                     .inliers = match.verification.inliers,
+                                     .confirmed = edge.judgement.doubt == Reason::kNone,
+                                     .confidence = edge.judgement.confidence});
     edges.push_back(std::move(edge));
-    outcome.upload.edges->push_back({to_index(match.vertex), match.votes, match.verification.inliers});
   }
   const VertexId vertex = insert_vertex(db, map_.id, map_.vocabulary, row, *image.vector, edges, verifier);
   if (vertex != pending.vertex) throw std::logic_error("a vertex got another number than it was decided under");

@@ -24,7 +24,7 @@ void expect_round_trip(const char* text) {
 
 TEST(Documents, MapHasTheShapeOfThePage) {
   expect_round_trip<Map>(R"({"name":"lab-a","kind":"map","vocabulary":"indoor-50k","vertices":1356,"edges":9121,
-    "ignored":40,"uuid":"7d444840-9dc0-11d1-b245-5ffdce74fad2",
+    "edge_counts":{"verified":9240,"confirmed":9121},"ignored":40,"uuid":"7d444840-9dc0-11d1-b245-5ffdce74fad2",
     "parameters":{"max_features":500,"min_votes":12,"min_inliers":12,"max_inliers":150,"verify_top":20,"votes":"min",
                   "store_images":"full"},
     "labels":{"robot":"p3at-1"},"members":[],"created_at":"2026-11-23T10:00:00Z","revision":1396})");
@@ -32,7 +32,7 @@ TEST(Documents, MapHasTheShapeOfThePage) {
 
 TEST(Documents, MergedMapNamesItsMembersAndItsMerge) {
   const char* text = R"({"name":"lab","kind":"merged","vocabulary":"indoor-50k","vertices":1966,"edges":11021,
-    "ignored":0,"uuid":"7d444840-9dc0-11d1-b245-5ffdce74fad3","parameters":{},"labels":{},
+    "edge_counts":{"verified":12040,"confirmed":11021},"ignored":0,"uuid":"7d444840-9dc0-11d1-b245-5ffdce74fad3","parameters":{},"labels":{},
     "members":[{"map":"lab-a","watermark":1356},{"map":"lab-b","watermark":610}],"merge":1,
     "created_at":"2026-11-23T10:00:00Z","revision":3})";
   expect_round_trip<Map>(text);
@@ -49,15 +49,18 @@ TEST(Documents, VertexHasTheShapeOfThePage) {
 
 TEST(Documents, PairHasTheShapesOfThePage) {
   expect_round_trip<Pair>(R"({"u":12,"v":71,"votes":29,"matches":41,"inliers":24,"verdict":"accepted","reason":null,
+    "confirmed":true,"confidence":0.998,
+    "evidence":[{"name":"rare_matches","value":17.0,"weight":3.5,"says":"matches on things that are nowhere else"},
+                {"name":"shared_view","value":0.25,"weight":null,"says":""}],
     "kind":"fundamental","log10_false_alarms":-46.7,
     "inlier_matches":[{"u":{"x_px":181.5,"y_px":92.125},"v":{"x_px":96.25,"y_px":88.875}}]})");
   expect_round_trip<Pair>(R"({"u":12,"v":90,"votes":3,"matches":null,"inliers":null,"verdict":"not_candidate",
-    "reason":"no_candidate"})");
+    "reason":"no_candidate","confirmed":null,"confidence":null})");
 }
 
 TEST(Documents, UploadHasTheShapesOfThePage) {
   const char* inserted = R"({"outcome":"inserted","vertex":123,"name":"000123.jpg","features":431,
-    "edges":[{"vertex":122,"votes":188,"inliers":96}],"reason":null,"took_ms":31.4})";
+    "edges":[{"vertex":122,"votes":188,"inliers":96,"confirmed":true,"confidence":null}],"reason":null,"took_ms":31.4})";
   expect_round_trip<Upload>(inserted);
   expect_round_trip<Upload>(R"({"outcome":"inserted","vertex":0,"name":"0","features":0,"edges":[],
     "reason":"too_few_features","took_ms":3.5})");
@@ -95,12 +98,15 @@ TEST(Documents, LocalizationHasTheShapeOfThePage) {
 
 TEST(Documents, GraphHasTheShapeOfThePage) {
   expect_round_trip<Graph>(R"({"vertices":[],"edges":[
-    {"u":3,"v":9,"kind":"inner","votes":88,"inliers":41,"log10_false_alarms":-22.5,"confirmed":true,"merge":null},
-    {"u":3,"v":1400,"kind":"inter","votes":80,"inliers":31,"log10_false_alarms":-12.5,"confirmed":false,"merge":1}]})");
+    {"u":3,"v":9,"kind":"inner","votes":88,"inliers":41,"log10_false_alarms":-22.5,"confirmed":true,"confidence":null,
+     "merge":null},
+    {"u":3,"v":1400,"kind":"inter","votes":80,"inliers":31,"log10_false_alarms":-12.5,"confirmed":false,"confidence":0.25,
+     "reason":"unsupported","merge":1}]})");
 }
 
 TEST(Documents, QualityHasTheShapeOfThePage) {
-  expect_round_trip<Quality>(R"({"vertices":1966,"edges":9121,"components":3,"algebraic_connectivity":0.0,
+  expect_round_trip<Quality>(
+      R"({"vertices":1966,"edges":9121,"edge_counts":{"verified":9240,"confirmed":9121},"components":3,"algebraic_connectivity":0.0,
     "weighted_algebraic_connectivity":0.0,"largest_component":{"vertices":1960,"algebraic_connectivity":0.0131},
     "min_degree":0,"edge_connectivity":0,
     "joined":[{"map":"lab-a","vertices":320},{"map":"lab-b","vertices":301}],"independent_joins":288})");
@@ -108,13 +114,16 @@ TEST(Documents, QualityHasTheShapeOfThePage) {
 
 TEST(Documents, SubmissionHasTheShapeOfThePage) {
   const Json document = parse_json(R"({"maps":["lab-a","lab-b"],"name":"lab","method":"quickconnect","seed":7,
-    "parameters":{"min_votes":12,"min_inliers":12,"votes":"product","alias_guard":false},
+    "parameters":{"min_votes":12,"min_inliers":12,"max_false_alarms":1e-15,"votes":"product","alias_guard":false,
+                  "min_confidence":0.95},
     "budget":{"seconds":1.5,"verifications":null,"edges":null,"fraction_of_maximum":null,"certified":false}})");
   const auto submit = read_request<SubmitMerge>(document);
   EXPECT_NO_THROW(check(submit));
   EXPECT_EQ(submit.maps, (std::vector<std::string>{"lab-a", "lab-b"}));
   EXPECT_EQ(submit.seed, 7);
   EXPECT_EQ(submit.parameters->votes, "product");
+  EXPECT_EQ(submit.parameters->max_false_alarms, 1e-15);
+  EXPECT_EQ(submit.parameters->min_confidence, 0.95);
   EXPECT_EQ(submit.budget->seconds, 1.5);
   EXPECT_EQ(submit.budget->verifications, std::nullopt);
   EXPECT_EQ(Json(submit).get<SubmitMerge>(), submit);
@@ -123,7 +132,8 @@ TEST(Documents, SubmissionHasTheShapeOfThePage) {
 TEST(Documents, MergeHasTheFieldsOfThePage) {
   const Json document = parse_json(R"({"id":1,"state":"running","method":"quickconnect","maps":["lab-a","lab-b"],
     "map":"lab","seed":7,"phase":"exploration","step":18231,"words":{"done":9120,"total":31877},
-    "candidates":{"known":5120,"verified":412,"accepted":247},"edges":247,"components":3,"algebraic_connectivity":0.0,
+    "candidates":{"known":5120,"verified":412,"accepted":247},"edges":247,
+    "edge_counts":{"verified":247,"confirmed":201},"components":3,"algebraic_connectivity":0.0,
     "largest_component":{"vertices":1960,"algebraic_connectivity":0.0131},
     "joined":[{"map":"lab-a","vertices":3}],"independent_joins":288,"certified_fraction":null,"estimated_fraction":null,
     "joinable_vertices":null,"elapsed_s":1.5,"budget":{"seconds":1.5},"eta_s":12.0,
@@ -134,10 +144,13 @@ TEST(Documents, MergeHasTheFieldsOfThePage) {
 }
 
 TEST(Documents, CurvePointAndMergeEdgeHaveTheShapesOfThePage) {
-  expect_round_trip<CurvePoint>(R"({"step":512,"elapsed_s":0.25,"verifications":40,"edges":12,"components":4,
+  expect_round_trip<CurvePoint>(R"({"step":512,"elapsed_s":0.25,"verifications":40,"edges":12,
+    "edge_counts":{"verified":12,"confirmed":9},"components":4,
     "algebraic_connectivity":0.0,"largest_component":{"vertices":1960,"algebraic_connectivity":0.0131},
     "certified_fraction":null,"phase":"exploration"})");
-  expect_round_trip<MergeEdge>(R"({"u":1,"v":1400,"votes":91,"inliers":44,"verifications":17,"elapsed_s":0.125})");
+  expect_round_trip<MergeEdge>(R"({"u":1,"v":1400,"votes":91,"inliers":44,"verifications":17,"elapsed_s":0.125,
+    "confirmed":false,"confidence":0.5,"reason":"ambiguous"})");
+  EXPECT_EQ(Json(parse_json(R"({"edges":12,"edge_counts":null})").get<CurvePoint>()).at("edge_counts"), nullptr);
 }
 
 TEST(Documents, VocabularyAndProblemRoundTrip) {

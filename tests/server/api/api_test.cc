@@ -257,8 +257,33 @@ TEST(Api, MergesSeveralMapsAsTheyGrowUnderTheAliasGuard) {
   for (const contract::Json& edge : doubted) {
     EXPECT_EQ(edge["confirmed"], false);
     EXPECT_THAT(edge["reason"].get<std::string>(), ::testing::AnyOf("unsupported", "ambiguous"));
+    EXPECT_LT(edge["confidence"].get<double>(), done["parameters"]["min_confidence"].get<double>());
   }
-  for (const contract::Json& edge : standing) EXPECT_FALSE(edge.contains("reason"));
+  for (const contract::Json& edge : standing) {
+    EXPECT_FALSE(edge.contains("reason"));
+    EXPECT_GE(edge["confidence"].get<double>(), done["parameters"]["min_confidence"].get<double>());
+  }
+  EXPECT_EQ(done["edge_counts"],
+            (contract::Json{{"verified", doubted.size() + standing.size()}, {"confirmed", standing.size()}}));
+  const contract::Json inner = api.get("/v1/maps/all/edges?kind=inner&limit=1000").json()["items"];
+  EXPECT_GT(inner.size(), 0u);
+  for (const contract::Json& edge : inner) {
+    EXPECT_EQ(edge["confirmed"], true);
+    EXPECT_EQ(edge["confidence"], nullptr);
+  }
+  const contract::Json of_map = api.get("/v1/maps/all").json();
+  EXPECT_EQ(of_map["edge_counts"]["verified"], inner.size() + doubted.size() + standing.size());
+  EXPECT_EQ(of_map["edge_counts"]["confirmed"], inner.size() + standing.size());
+  EXPECT_EQ(api.get("/v1/maps/all/quality").json()["edge_counts"], of_map["edge_counts"]);
+  const contract::Json by_insertion = api.get("/v1/merges/1/edges?limit=1000").json()["items"];
+  EXPECT_EQ(std::ranges::count_if(by_insertion, [](const auto& edge) { return edge["confirmed"] == true; }),
+            static_cast<std::ptrdiff_t>(standing.size()));
+  for (const char* wrong : {"1.5", "-0.1", "\"much\""}) {
+    const Answer refused =
+        api.post("/v1/merges", R"({"maps":["a","b"],"parameters":{"min_confidence":)" + std::string(wrong) + "}}");
+    EXPECT_EQ(refused.status, 422) << wrong;
+    EXPECT_EQ(refused.code(), "invalid_parameter") << wrong;
+  }
   // Growth: nothing to resume before, new vertices after.
   EXPECT_EQ(api.post("/v1/merges/1/resume", "").code(), "nothing_to_resume");
   api.services().upload("b", "later", photo_jpeg(1, 3));

@@ -54,6 +54,9 @@ TEST_F(MergeJobsSubmission, RefusesBrokenRequests) {
   expect_refused("invalid_parameter", [](MergeRequest& r) { r.parameters.min_inliers = -3; });
   expect_refused("invalid_parameter", [](MergeRequest& r) { r.parameters.max_false_alarms = 0; });
   expect_refused("invalid_parameter", [](MergeRequest& r) { r.parameters.max_false_alarms = NAN; });
+  expect_refused("invalid_parameter", [](MergeRequest& r) { r.parameters.min_confidence = 1.001; });
+  expect_refused("invalid_parameter", [](MergeRequest& r) { r.parameters.min_confidence = -0.001; });
+  expect_refused("invalid_parameter", [](MergeRequest& r) { r.parameters.min_confidence = NAN; });
   expect_refused("invalid_budget", [](MergeRequest& r) { r.budget.seconds = 0; });
   expect_refused("invalid_budget", [](MergeRequest& r) { r.budget.seconds = -1.5; });
   expect_refused("invalid_budget", [](MergeRequest& r) { r.budget.seconds = INFINITY; });

@@ -293,6 +293,8 @@ TEST(MergeJobs, ConfirmWhatTheAliasGuardConfirms) {
     for (std::size_t e = 0; e < rows.size(); ++e) {
       EXPECT_EQ(rows[e].confirmed, verdicts[e].confirmed());
       EXPECT_EQ(rows[e].doubt, std::string(to_string(verdicts[e].reason)));
+      EXPECT_EQ(rows[e].confidence, verdicts[e].confidence);
+      EXPECT_EQ(load_edge_evidence(store.read(), rows[e].id).made_of, evidence_items(verdicts[e].evidence));
       if (!verdicts[e].confirmed()) continue;
       standing.push_back(state.edges[e]);
       graph.add_edge(rows[e].u, rows[e].v, rows[e].inliers);
@@ -303,10 +305,37 @@ TEST(MergeJobs, ConfirmWhatTheAliasGuardConfirms) {
     EXPECT_EQ(s.independent_joins, metrics.independent_joins);
     EXPECT_EQ(s.pairs.at(0).summary.confirmed, standing.size());
     EXPECT_EQ(s.edges, rows.size());
+    EXPECT_EQ(s.confirmed_edges, standing.size());
+    const MergeCurvePoint last = jobs.curve(id, 1000, std::nullopt).items.back();
+    EXPECT_EQ(last.edges, rows.size());
+    EXPECT_EQ(last.confirmed_edges, standing.size());
     if (whole) {
       EXPECT_EQ(s.certified_fraction, 1.0);
     }
   }
+}
+
+TEST(MergeJobs, NothingIsAskedOfAConfirmedEdgeAtAConfidenceOfNought) {
+  ToyWorld world = test::toy_world(19);
+  world.sizes = {40, 30};
+  world.words_per_image = 24;
+  test::TempStore store;
+  test::store_toy_maps(store, world);
+  MergeJobs jobs(store, test::job_options(std::make_shared<test::HashVerifier>(world.accept_share)));
+  jobs.start();
+  MergeRequest request = test::request_of(world);
+  request.parameters.alias_guard = true;
+  request.parameters.min_confidence = 0;
+  const MergeStatus s = jobs.wait(jobs.submit(request).id, kLong);
+  ASSERT_EQ(s.state, JobState::kCompleted) << s.error.value_or("");
+  EXPECT_EQ(s.parameters.min_confidence, 0);
+  EXPECT_EQ(s.confirmed_edges, s.edges);
+  bool is_any_doubtful = false;
+  for (const EdgeRow& row : list_merge_edges(store.read(), JobId{s.id}, 10000)) {
+    EXPECT_TRUE(row.confirmed);
+    is_any_doubtful = is_any_doubtful || row.confidence < 0.5;
+  }
+  EXPECT_TRUE(is_any_doubtful) << "they are judged all the same";
 }
 
 }  // namespace

@@ -194,6 +194,45 @@ TEST_F(MapCacheTest, RollbackForgetsWhatWasAppended) {
   EXPECT_EQ(loaded.appearances(VertexId{5}), image);
 }
 
+TEST_F(MapCacheTest, TheGraphInMemoryFollowsWhatIsThoughtOfItsEdges) {
+  const MapRow map = fill("lab", 8);
+  MapCache cache(store_, 1 << 20);
+  const auto loaded = cache.open(map, kFeatures);
+  const auto expect_as_stored = [&] {
+    const StoredMap stored(store_, map.id, vocabulary_);
+    const LoadedMap fresh(store_, store_.read(), map);
+    for (std::uint32_t v = 0; v < 8; ++v) {
+      std::vector<VertexId> in_memory, in_store, in_fresh;
+      loaded->neighbours(VertexId{v}, in_memory);
+      stored.neighbours(VertexId{v}, in_store);
+      fresh.neighbours(VertexId{v}, in_fresh);
+      std::ranges::sort(in_memory);
+      std::ranges::sort(in_store);
+      std::ranges::sort(in_fresh);
+      EXPECT_EQ(in_memory, in_store);
+      EXPECT_EQ(in_fresh, in_store);
+    }
+  };
+  const auto judge = [&](std::vector<JudgedEdge> edges) {
+    const auto turn = cache.writer_turn(map.id);
+    {
+      WriteTransaction db = store_.write();
+      set_judgements(db, map.id, edges);
+      db.commit();
+    }
+    cache.follow_judgements(map.id, edges);
+  };
+  expect_as_stored();
+  judge({{VertexId{2}, VertexId{3}, {0.25, Reason::kUnsupported, {}}},
+         {VertexId{3}, VertexId{4}, {0.95, Reason::kNone, {}}}});
+  std::vector<VertexId> left;
+  loaded->neighbours(VertexId{3}, left);
+  EXPECT_EQ(left, std::vector{VertexId{4}});
+  expect_as_stored();
+  judge({{VertexId{2}, VertexId{3}, {0.95, Reason::kNone, {}}}});
+  expect_as_stored();
+}
+
 TEST_F(MapCacheTest, WritersOfOneMapTakeTurns) {
   MapCache cache(store_, 64 << 20);
   std::atomic<int> inside{0};

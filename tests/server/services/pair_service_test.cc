@@ -334,12 +334,34 @@ TEST_F(Pairs, AnEdgeThatIsNotConfirmedSaysSo) {
     WriteTransaction db = services_.store().write();
     const MapId map = find_map(db, "ab")->id;
     ASSERT_TRUE(find_own_edge(db, map, VertexId{2}, VertexId{4}));
-    set_doubts(db, map, std::vector<EdgeDoubt>{{VertexId{2}, VertexId{4}, Reason::kAmbiguous}});
+    set_judgements(db, map,
+                   std::vector<JudgedEdge>{
+                       {VertexId{2},
+                        VertexId{4},
+                        {0.25, Reason::kAmbiguous, {{"rare_matches", 3, -1.5}, {"of_yesterday", 0.5, std::nullopt}}}}});
     db.commit();
   }
   const contract::Pair pair = explain(id, 2, 4);
   EXPECT_EQ(pair.verdict, "accepted");
   EXPECT_EQ(pair.reason, "ambiguous");
+  EXPECT_EQ(pair.confirmed, false);
+  EXPECT_EQ(pair.confidence, 0.25);
+  // What it is made of is told as it was stored, names that nobody knows any more too.
+  ASSERT_EQ(pair.evidence.value().size(), 2u);
+  EXPECT_EQ(pair.evidence->front().name, "rare_matches");
+  EXPECT_EQ(pair.evidence->front().value, 3);
+  EXPECT_EQ(pair.evidence->front().weight, -1.5);
+  EXPECT_EQ(pair.evidence->front().says, evidence_says("rare_matches"));
+  EXPECT_EQ(pair.evidence->back().name, "of_yesterday");
+  EXPECT_EQ(pair.evidence->back().weight, std::nullopt);
+  EXPECT_EQ(pair.evidence->back().says, "");
+  // An edge that nobody has judged is confirmed, and a pair without one is neither.
+  const contract::Pair unjudged = explain(id, 3, 4);
+  EXPECT_EQ(unjudged.verdict, "accepted");
+  EXPECT_EQ(unjudged.confirmed, true);
+  EXPECT_EQ(unjudged.confidence, std::nullopt);
+  EXPECT_EQ(unjudged.evidence, std::nullopt);
+  EXPECT_EQ(explain(id, 0, 7).confirmed, std::nullopt);
 }
 
 }  // namespace
