@@ -145,8 +145,9 @@ struct Merge {
   std::int64_t step = 0;
   WordProgress words;
   CandidateProgress candidates;
-  std::int64_t edges = 0;  // inter-map edges, verified ones
-  EdgeCounts edge_counts;  // the same, and how many of them the merged map has
+  std::int64_t edges = 0;    // inter-map edges, verified ones
+  EdgeCounts edge_counts;    // the same, and how many of them the merged map has
+  std::int64_t revoked = 0;  // confirmations that were taken back so far, as evidence arrived
   std::int64_t components = 0;
   double algebraic_connectivity = 0;
   LargestComponent largest_component;
@@ -171,9 +172,10 @@ struct Merge {
         field("id", &M::id), field("state", &M::state), field("method", &M::method), field("maps", &M::maps),
         field("map", &M::map), field("seed", &M::seed), field("parameters", &M::parameters), field("phase", &M::phase),
         field("step", &M::step), field("words", &M::words), field("candidates", &M::candidates),
-        field("edges", &M::edges), field("edge_counts", &M::edge_counts), field("components", &M::components),
-        field("algebraic_connectivity", &M::algebraic_connectivity), field("largest_component", &M::largest_component),
-        field("joined", &M::joined), field("independent_joins", &M::independent_joins), field("pairs", &M::pairs),
+        field("edges", &M::edges), field("edge_counts", &M::edge_counts), field("revoked", &M::revoked),
+        field("components", &M::components), field("algebraic_connectivity", &M::algebraic_connectivity),
+        field("largest_component", &M::largest_component), field("joined", &M::joined),
+        field("independent_joins", &M::independent_joins), field("pairs", &M::pairs),
         field("certified_fraction", &M::certified_fraction), field("estimated_fraction", &M::estimated_fraction),
         field("joinable_vertices", &M::joinable_vertices), field("elapsed_s", &M::elapsed_s),
         field("budget", &M::budget), field("remaining", &M::remaining), field("eta_s", &M::eta_s),

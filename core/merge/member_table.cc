@@ -1,6 +1,5 @@
 #include "core/merge/member_table.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "core/graph/matching.h"
@@ -23,7 +22,7 @@ std::string_view to_string(JoinVerdict verdict) {
 
 std::vector<MemberPairSummary> member_table(const std::vector<MergeMember>& members, std::span<const MergeEdge> edges,
                                             std::span<const RejectedPair> rejected, const std::vector<bool>& confirmed,
-                                            bool is_done) {
+                                            const std::vector<bool>& finished) {
   std::size_t vertices = 0;
   for (const MergeMember& member : members) vertices += member.vertices.size();
   std::vector<std::uint32_t> member_of(vertices);
@@ -32,8 +31,7 @@ std::vector<MemberPairSummary> member_table(const std::vector<MergeMember>& memb
   }
   const std::size_t n = members.size();
   const auto place_of = [&](VertexId u, VertexId v) {
-    const auto [i, j] = std::minmax(member_of[to_index(u)], member_of[to_index(v)]);
-    return i * (2 * n - i - 1) / 2 + (j - i - 1);
+    return place_of_pair(member_of[to_index(u)], member_of[to_index(v)], n);
   };
   std::vector<MemberPairSummary> table;
   for (std::uint32_t i = 0; i < n; ++i) {
@@ -54,7 +52,7 @@ std::vector<MemberPairSummary> member_table(const std::vector<MergeMember>& memb
     pair.independent_joins = maximum_matching(joins[place]);
     pair.verdict = pair.confirmed > 0  ? JoinVerdict::kJoined
                    : pair.accepted > 0 ? JoinVerdict::kAmbiguous
-                   : is_done           ? JoinVerdict::kNotJoined
+                   : finished[place]   ? JoinVerdict::kNotJoined
                                        : JoinVerdict::kUndecided;
   }
   return table;

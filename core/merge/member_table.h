@@ -14,9 +14,9 @@ namespace mapweld {
 
 enum class JoinVerdict : std::uint8_t {
   kJoined,     // a confirmed edge joins them
-  kNotJoined,  // all candidates have been verified, and none does
+  kNotJoined,  // all their candidates have been verified, and there is no edge
   kAmbiguous,  // there are verified edges, none of them confirmed
-  kUndecided,  // no edge yet, and not all candidates have been verified
+  kUndecided,  // no edge yet, and not all their candidates have been verified
 };
 std::string_view to_string(JoinVerdict verdict);  // the word of docs/http-api.md
 
@@ -31,9 +31,10 @@ struct MemberPairSummary {
   friend bool operator==(const MemberPairSummary&, const MemberPairSummary&) = default;
 };
 
-// All pairs of members, (0, 1), (0, 2), ... `confirmed`: by edge; empty: all are. `is_done`: no candidate is left.
+// All pairs of members, (0, 1), (0, 2), ... `confirmed`: by edge; empty: all are. `finished`: by pair, whether all its
+// candidates have a verdict (Merger::finished_pairs).
 std::vector<MemberPairSummary> member_table(const std::vector<MergeMember>& members, std::span<const MergeEdge> edges,
                                             std::span<const RejectedPair> rejected, const std::vector<bool>& confirmed,
-                                            bool is_done);
+                                            const std::vector<bool>& finished);
 
 }  // namespace mapweld

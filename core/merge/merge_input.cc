@@ -1,5 +1,7 @@
 #include "core/merge/merge_input.h"
 
+#include <utility>
+
 namespace mapweld {
 
 std::vector<MergeMember> number_members(const std::vector<std::uint32_t>& sizes) {
@@ -26,6 +28,11 @@ std::vector<MemberPair> all_member_pairs(const std::vector<MergeMember>& members
     for (std::size_t j = i + 1; j < members.size(); ++j) pairs.push_back(order_members(members, i, j));
   }
   return pairs;
+}
+
+std::size_t place_of_pair(std::size_t i, std::size_t j, std::size_t members) {
+  if (i > j) std::swap(i, j);
+  return i * (2 * members - i - 1) / 2 + (j - i - 1);
 }
 
 }  // namespace mapweld

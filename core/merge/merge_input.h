@@ -68,5 +68,7 @@ struct MemberPair {
 MemberPair order_members(const std::vector<MergeMember>& members, std::size_t i = 0, std::size_t j = 1);
 // All pairs of members: (0, 1), (0, 2), ..., (1, 2), ...
 std::vector<MemberPair> all_member_pairs(const std::vector<MergeMember>& members);
+// Where the pair of members i and j, in either order, stands in that list.
+std::size_t place_of_pair(std::size_t i, std::size_t j, std::size_t members);
 
 }  // namespace mapweld

@@ -45,6 +45,11 @@ Merger::Merger(MergeInput input) : input_(std::move(input)), graph_(vertices_of(
   state_.vertices = graph_.vertices();
 }
 
+std::vector<bool> Merger::finished_pairs() const {
+  const std::size_t members = input_.members.size();
+  return std::vector<bool>(members * (members - 1) / 2, done());
+}
+
 void Merger::resume(MergeState state) {
   if (state.verifications != state.edges.size() + state.rejected.size()) {
     throw FormatError("a merge state whose verdicts do not add up");

@@ -39,6 +39,8 @@ class Merger {
   virtual std::optional<std::uint64_t> candidates_total() const { return std::nullopt; }
   // All candidates without a verdict, with their final votes; nothing while there are votes still to be counted.
   virtual std::optional<std::vector<Candidate>> open_candidates() const { return std::nullopt; }
+  // Whether all candidates between two members have a verdict: of each pair, as all_member_pairs lists them.
+  virtual std::vector<bool> finished_pairs() const;
 
  protected:
   // At the beginning: the merged graph has the inner edges only.

@@ -71,7 +71,10 @@ PairMerger::PairMerger(MergeInput input, bool counts_candidates)
   }
   std::ranges::stable_sort(promises, std::ranges::greater{}, &std::pair<std::uint64_t, MemberPair>::first);
   for (std::size_t k = 0; k < pairs_.size(); ++k) pairs_[k] = promises[k].second;
-  if (counts_candidates || !is_one_pair) candidates_total_ = total;
+  if (counts_candidates || !is_one_pair) {
+    candidates_total_ = total;
+    for (const auto& [candidates, pair] : promises) candidates_of_.push_back(candidates);
+  }
 
   state_.method = input_.options.method;
   state_.rules_fingerprint = fingerprint_of_rules(input_);
@@ -95,6 +98,23 @@ std::optional<std::vector<Candidate>> PairMerger::open_candidates() const {
     std::erase_if(left, [this](const Candidate& c) { return known_.contains(pair_key(c.source, c.target)); });
   }
   return left;
+}
+
+std::vector<bool> PairMerger::finished_pairs() const {
+  const std::size_t members = input_.members.size();
+  std::vector<std::uint64_t> verdicts(pairs_.size(), 0);
+  const auto count = [&](VertexId u, VertexId v) {
+    ++verdicts[place_of_pair(member_of_[to_index(u)], member_of_[to_index(v)], members)];
+  };
+  for (const MergeEdge& e : state_.edges) count(e.u, e.v);
+  for (const RejectedPair& r : state_.rejected) count(r.source, r.target);
+  std::vector<bool> finished(pairs_.size());
+  for (std::size_t k = 0; k < pairs_.size(); ++k) {
+    const std::size_t place = place_of_pair(pairs_[k].m1, pairs_[k].m2, members);
+    const bool has_all = !candidates_of_.empty() && verdicts[place] >= candidates_of_[k];
+    finished[place] = done() || k < state_.pair || has_all;
+  }
+  return finished;
 }
 
 std::vector<Candidate> PairMerger::candidates_left() const {

@@ -21,6 +21,7 @@ class PairMerger : public Merger {
  public:
   std::optional<std::uint64_t> candidates_total() const override;
   std::optional<std::vector<Candidate>> open_candidates() const override;
+  std::vector<bool> finished_pairs() const override;
 
  protected:
   // With `counts_candidates` all votes are counted once, so that candidates_total() is known; with more than two
@@ -71,8 +72,9 @@ class PairMerger : public Merger {
   void open_pair();  // that of state_.pair
   bool record(const Candidate& candidate, const std::function<std::uint32_t()>& final_votes);
 
-  std::vector<MemberPair> pairs_;  // in the order in which they are merged
-  MemberPair pair_;                // in hand
+  std::vector<MemberPair> pairs_;             // in the order in which they are merged
+  std::vector<std::uint64_t> candidates_of_;  // by pair, in that order; empty: not counted beforehand
+  MemberPair pair_;                           // in hand
   std::shared_ptr<const VoteSource> votes_;
   std::optional<std::uint64_t> candidates_total_;
   std::vector<std::uint32_t> position_;            // of each merged vertex in its member

@@ -41,37 +41,6 @@ std::optional<T> left_of(const std::optional<T>& allowance, T granted_at, T spen
 
 double seconds_between(Timestamp from, Timestamp to) { return std::chrono::duration<double>(to - from).count(); }
 
-MergeProgress stored_progress(const MergeRow& row) {
-  MergeProgress progress = read_json(row, row.progress, [&row](const Json& json) {
-    MergeProgress p;
-    p.words_done = json.value("words_done", std::uint64_t{0});
-    p.words_total = json.value("words_total", std::uint64_t{0});
-    p.candidates_known = json.value("candidates_known", std::uint64_t{0});
-    p.confirmed = json.value("confirmed", row.spent.edges);
-    p.metrics.components = json.value("components", std::uint32_t{0});
-    p.metrics.algebraic_connectivity = json.value("algebraic_connectivity", 0.0);
-    p.metrics.largest_vertices = json.value("largest_vertices", std::uint32_t{0});
-    p.metrics.largest_algebraic_connectivity = json.value("largest_algebraic_connectivity", 0.0);
-    p.metrics.joined = json.value("joined", std::vector<std::uint32_t>{});
-    p.metrics.independent_joins = json.value("independent_joins", std::uint32_t{0});
-    if (json.contains("certified_fraction")) {
-      p.certified =
-          Certified{json.at("certified_fraction"), json.at("estimated_fraction"), json.at("joinable_vertices")};
-    }
-    for (const Json& pair : json.value("members", Json::array())) {
-      p.members.push_back({pair.at(0), pair.at(1), pair.at(2), pair.at(3), pair.at(4), pair.at(5),
-                           static_cast<JoinVerdict>(pair.at(6).get<int>())});
-    }
-    return p;
-  });
-  progress.phase = row.phase;
-  progress.step = row.step;
-  progress.verifications = row.spent.verifications;
-  progress.edges = row.spent.edges;
-  progress.elapsed_s = row.spent.elapsed_s;
-  return progress;
-}
-
 }  // namespace
 
 std::string to_row(const MergeParameters& parameters) {
@@ -103,6 +72,7 @@ std::string to_row(const MergeProgress& progress) {
             {"words_total", progress.words_total},
             {"candidates_known", progress.candidates_known},
             {"confirmed", progress.confirmed},
+            {"revoked", progress.revoked},
             {"components", progress.metrics.components},
             {"algebraic_connectivity", progress.metrics.algebraic_connectivity},
             {"largest_vertices", progress.metrics.largest_vertices},
@@ -155,9 +125,41 @@ MergeBudget remaining_of(const MergeRow& row, const Spent& spent) {
   return left;
 }
 
+MergeProgress progress_of(const MergeRow& row) {
+  MergeProgress progress = read_json(row, row.progress, [&row](const Json& json) {
+    MergeProgress p;
+    p.words_done = json.value("words_done", std::uint64_t{0});
+    p.words_total = json.value("words_total", std::uint64_t{0});
+    p.candidates_known = json.value("candidates_known", std::uint64_t{0});
+    p.confirmed = json.value("confirmed", row.spent.edges);
+    p.revoked = json.value("revoked", std::uint64_t{0});
+    p.metrics.components = json.value("components", std::uint32_t{0});
+    p.metrics.algebraic_connectivity = json.value("algebraic_connectivity", 0.0);
+    p.metrics.largest_vertices = json.value("largest_vertices", std::uint32_t{0});
+    p.metrics.largest_algebraic_connectivity = json.value("largest_algebraic_connectivity", 0.0);
+    p.metrics.joined = json.value("joined", std::vector<std::uint32_t>{});
+    p.metrics.independent_joins = json.value("independent_joins", std::uint32_t{0});
+    if (json.contains("certified_fraction")) {
+      p.certified =
+          Certified{json.at("certified_fraction"), json.at("estimated_fraction"), json.at("joinable_vertices")};
+    }
+    for (const Json& pair : json.value("members", Json::array())) {
+      p.members.push_back({pair.at(0), pair.at(1), pair.at(2), pair.at(3), pair.at(4), pair.at(5),
+                           static_cast<JoinVerdict>(pair.at(6).get<int>())});
+    }
+    return p;
+  });
+  progress.phase = row.phase;
+  progress.step = row.step;
+  progress.verifications = row.spent.verifications;
+  progress.edges = row.spent.edges;
+  progress.elapsed_s = row.spent.elapsed_s;
+  return progress;
+}
+
 MergeStatus status_of(const MergeRow& row, const std::vector<MemberRow>& members,
                       const std::optional<MergeProgress>& live, Timestamp now) {
-  const MergeProgress progress = live ? *live : stored_progress(row);
+  const MergeProgress progress = live ? *live : progress_of(row);
   MergeStatus status;
   status.id = to_index(row.id);
   status.state = row.state;
@@ -172,6 +174,7 @@ MergeStatus status_of(const MergeRow& row, const std::vector<MemberRow>& members
   status.candidates = {progress.candidates_known, progress.verifications, progress.edges};
   status.edges = progress.edges;
   status.confirmed_edges = progress.confirmed;
+  status.revoked = progress.revoked;
   status.components = progress.metrics.components;
   status.algebraic_connectivity = progress.metrics.algebraic_connectivity;
   status.largest_component = {progress.metrics.largest_vertices, progress.metrics.largest_algebraic_connectivity};

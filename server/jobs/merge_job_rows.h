@@ -22,6 +22,9 @@ std::string to_row(const MergeProgress& progress);
 MergeParameters parameters_of(const MergeRow& row);
 MergeBudget budget_of(const MergeRow& row);
 
+// The numbers to show, as of the last checkpoint. Throws likewise.
+MergeProgress progress_of(const MergeRow& row);
+
 // What of a job's budget is left once `spent` is spent; 0 where it is used up.
 MergeBudget remaining_of(const MergeRow& row, const Spent& spent);
 

@@ -110,6 +110,7 @@ struct MergeStatus {
   CandidateProgress candidates;
   std::uint64_t edges = 0;            // verified ones
   std::uint64_t confirmed_edges = 0;  // of them: the edges that the merged map has
+  std::uint64_t revoked = 0;          // confirmations that were taken back so far, as evidence arrived
   std::uint64_t components = 0;
   double algebraic_connectivity = 0;
   LargestComponent largest_component;

@@ -73,6 +73,7 @@ class Run {
       merger_ = make_merger(std::move(loaded.input));
     }
     verifications_before_ = merger_->state().verifications;
+    revoked_before_ = progress_of(row_).revoked;
     const MergeParameters parameters = parameters_of(row_);
     watch_ = std::make_unique<MergeWatch>(
         *merger_, parameters.alias_guard ? std::optional(parameters.min_confidence) : std::nullopt);
@@ -148,6 +149,7 @@ class Run {
     measured_edges_ = state.edges.size();
     progress_.metrics = watch_->metrics();
     progress_.confirmed = watch_->confirmed_edges();
+    progress_.revoked = revoked_before_ + watch_->revoked();
     progress_.members = watch_->members();
     progress_.certified = watch_->certified();
     if (had_new_edges) metrics_cost_s_ = elapsed_s() - began_s;
@@ -271,6 +273,7 @@ class Run {
   MergeRow row_;  // as the run found it
   std::unique_ptr<Merger> merger_;
   std::uint64_t verifications_before_ = 0;  // made when the run began
+  std::uint64_t revoked_before_ = 0;        // confirmations, by then
   Clock::time_point began_;
   Pacer checkpoints_;
   Pacer metrics_pacer_;

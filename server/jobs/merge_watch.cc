@@ -17,7 +17,11 @@ void MergeWatch::judge() {
     guard_.emplace(input.members, input.inner_edges, *input.appearances,
                    AliasGuardOptions{.min_confidence = *min_confidence_});
   }
-  verdicts_ = guard_->verdicts(edges);
+  std::vector<GuardVerdict> verdicts = guard_->verdicts(edges);
+  for (std::size_t e = 0; e < verdicts_.size(); ++e) {
+    revoked_ += verdicts_[e].confirmed() && !verdicts[e].confirmed() ? 1 : 0;
+  }
+  verdicts_ = std::move(verdicts);
 }
 
 AppearanceGraph MergeWatch::confirmed_graph() const {
@@ -58,7 +62,7 @@ void MergeWatch::measure_edges(bool exact) {
   }
   std::vector<bool> confirmed(state.edges.size());
   for (std::size_t e = 0; e < confirmed.size(); ++e) confirmed[e] = is_confirmed(e);
-  members_ = member_table(members, state.edges, state.rejected, confirmed, merger_.done());
+  members_ = member_table(members, state.edges, state.rejected, confirmed, merger_.finished_pairs());
 }
 
 void MergeWatch::measure_certificate() {

@@ -36,6 +36,8 @@ class MergeWatch {
   const MergeMetrics& metrics() const { return metrics_; }
   // How many edges were confirmed when they were measured last.
   std::uint64_t confirmed_edges() const { return confirmed_edges_; }
+  // How many confirmations were taken back, from one time that the edges were judged to the next.
+  std::uint64_t revoked() const { return revoked_; }
   const std::optional<Certified>& certified() const { return certified_; }
   const std::vector<MemberPairSummary>& members() const { return members_; }
 
@@ -63,6 +65,7 @@ class MergeWatch {
   std::vector<MemberPairSummary> members_;
   std::optional<std::size_t> measured_edges_;
   std::uint64_t confirmed_edges_ = 0;
+  std::uint64_t revoked_ = 0;
   std::optional<AliasGuard> guard_;     // made when there is an edge to judge
   std::vector<GuardVerdict> verdicts_;  // guards: by edge
   struct Told {

@@ -41,6 +41,7 @@ struct MergeProgress {
   std::uint64_t verifications = 0;
   std::uint64_t edges = 0;      // verified ones
   std::uint64_t confirmed = 0;  // of them, as of the metrics
+  std::uint64_t revoked = 0;    // confirmations that were taken back so far
   double elapsed_s = 0;
   std::optional<double> eta_s;
   MergeMetrics metrics;

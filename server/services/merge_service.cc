@@ -79,6 +79,7 @@ contract::Merge describe(const MergeStatus& status) {
                       static_cast<std::int64_t>(status.candidates.accepted)};
   merge.edges = static_cast<std::int64_t>(status.edges);
   merge.edge_counts = counts_of(status.edges, status.confirmed_edges);
+  merge.revoked = static_cast<std::int64_t>(status.revoked);
   merge.components = static_cast<std::int64_t>(status.components);
   merge.algebraic_connectivity = status.algebraic_connectivity;
   merge.largest_component = describe(status.largest_component);

@@ -133,7 +133,7 @@ TEST(Documents, MergeHasTheFieldsOfThePage) {
   const Json document = parse_json(R"({"id":1,"state":"running","method":"quickconnect","maps":["lab-a","lab-b"],
     "map":"lab","seed":7,"phase":"exploration","step":18231,"words":{"done":9120,"total":31877},
     "candidates":{"known":5120,"verified":412,"accepted":247},"edges":247,
-    "edge_counts":{"verified":247,"confirmed":201},"components":3,"algebraic_connectivity":0.0,
+    "edge_counts":{"verified":247,"confirmed":201},"revoked":2,"components":3,"algebraic_connectivity":0.0,
     "largest_component":{"vertices":1960,"algebraic_connectivity":0.0131},
     "joined":[{"map":"lab-a","vertices":3}],"independent_joins":288,"certified_fraction":null,"estimated_fraction":null,
     "joinable_vertices":null,"elapsed_s":1.5,"budget":{"seconds":1.5},"eta_s":12.0,

@@ -200,15 +200,23 @@ TEST(MemberTable, CountsByPairsOfMembers) {
   const std::vector<RejectedPair> rejected{{.source = VertexId{5}, .target = VertexId{2}},
                                            {.source = VertexId{6}, .target = VertexId{4}}};
   const std::vector<bool> confirmed{true, true, false};
-  const auto table = member_table(members, edges, rejected, confirmed, true);
+  const auto table = member_table(members, edges, rejected, confirmed, std::vector<bool>(6, true));
   ASSERT_EQ(table.size(), 6u);
   EXPECT_EQ(table[0], (MemberPairSummary{0, 1, 2, 2, 2, 1, JoinVerdict::kJoined}));
   EXPECT_EQ(table[1], (MemberPairSummary{0, 2, 1, 1, 0, 0, JoinVerdict::kAmbiguous}));
   EXPECT_EQ(table[2], (MemberPairSummary{0, 3, 0, 0, 0, 0, JoinVerdict::kNotJoined}));
   EXPECT_EQ(table[3], (MemberPairSummary{1, 2, 1, 0, 0, 0, JoinVerdict::kNotJoined}));
   EXPECT_EQ(table[5], (MemberPairSummary{2, 3, 1, 0, 0, 0, JoinVerdict::kNotJoined}));
-  EXPECT_EQ(member_table(members, edges, rejected, confirmed, false)[2].verdict, JoinVerdict::kUndecided);
-  EXPECT_EQ(member_table(members, edges, rejected, {}, false)[1].confirmed, 1u) << "without a guard all are confirmed";
+  const std::vector<bool> none(6, false);
+  EXPECT_EQ(member_table(members, edges, rejected, confirmed, none)[2].verdict, JoinVerdict::kUndecided);
+  EXPECT_EQ(member_table(members, edges, rejected, {}, none)[1].confirmed, 1u) << "without a guard all are confirmed";
+  // One pair may be finished while others are not.
+  const auto part = member_table(members, edges, rejected, confirmed, {true, true, false, true, false, false});
+  EXPECT_EQ(part[0].verdict, JoinVerdict::kJoined);
+  EXPECT_EQ(part[1].verdict, JoinVerdict::kAmbiguous);
+  EXPECT_EQ(part[2].verdict, JoinVerdict::kUndecided);
+  EXPECT_EQ(part[3].verdict, JoinVerdict::kNotJoined);
+  EXPECT_EQ(part[5].verdict, JoinVerdict::kUndecided);
 }
 
 }  // namespace

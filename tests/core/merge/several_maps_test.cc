@@ -101,6 +101,53 @@ TEST(SeveralMaps, ThePairWithTheMostCandidatesComesFirst) {
   EXPECT_GT(candidates.front(), candidates.back());
 }
 
+TEST(SeveralMaps, APairIsFinishedWhenAllItsCandidatesHaveAVerdict) {
+  std::size_t early = 0;
+  for (const std::string_view method : merge_methods()) {
+    test::ToyWorld world = several(2);
+    world.method = method;
+    const MergeInput input = make_toy_merge(world);
+    const std::size_t n = input.members.size();
+    const auto whole = make_merger(input);
+    run(*whole, {});
+    const auto verdicts_of = [&](const MergeState& state) {
+      std::vector<std::size_t> verdicts(n * (n - 1) / 2, 0);
+      const auto member = [&](VertexId v) {
+        return std::ranges::find_if(
+                   input.members,
+                   [&](const MergeMember& m) { return std::ranges::find(m.vertices, v) != m.vertices.end(); }) -
+               input.members.begin();
+      };
+      const auto count = [&](VertexId u, VertexId v) {
+        std::size_t place = 0;
+        const auto [i, j] = std::minmax({member(u), member(v)});
+        for (std::ptrdiff_t a = 0; a < i; ++a) place += n - 1 - static_cast<std::size_t>(a);
+        ++verdicts[place + static_cast<std::size_t>(j - i - 1)];
+      };
+      for (const MergeEdge& e : state.edges) count(e.u, e.v);
+      for (const RejectedPair& r : state.rejected) count(r.source, r.target);
+      return verdicts;
+    };
+    const std::vector<std::size_t> expected = verdicts_of(whole->state());
+    const auto merger = make_merger(input);
+    while (!merger->done()) {
+      const std::vector<bool> finished = merger->finished_pairs();
+      const std::vector<std::size_t> verdicts = verdicts_of(merger->state());
+      for (std::size_t place = 0; place < finished.size(); ++place) {
+        if (finished[place]) {
+          EXPECT_EQ(verdicts[place], expected[place]) << method;
+          ++early;
+        } else if (method != "alignment") {  // which has a candidate set of its own
+          EXPECT_LT(verdicts[place], expected[place]) << method;
+        }
+      }
+      merger->step();
+    }
+    EXPECT_EQ(merger->finished_pairs(), std::vector<bool>(expected.size(), true));
+  }
+  EXPECT_GT(early, 100u);
+}
+
 TEST(SeveralMaps, ResumeAfterEveryStep) {
   for (const std::string_view method : merge_methods()) {
     test::ToyWorld world = several(2);

@@ -11,6 +11,7 @@
 #include "core/merge/run.h"
 #include "schema/edge_store.h"
 #include "schema/map_store.h"
+#include "server/jobs/merge_watch.h"
 #include "tests/server/jobs/stored_toy_maps.h"
 
 namespace mapweld::server {
@@ -313,6 +314,42 @@ TEST(MergeJobs, ConfirmWhatTheAliasGuardConfirms) {
       EXPECT_EQ(s.certified_fraction, 1.0);
     }
   }
+}
+
+TEST(MergeWatch, CountsWhatIsRevokedAndWithoutThatJoinedOnlyGrows) {
+  std::uint64_t revoked_in_all = 0;
+  for (const std::uint32_t seed : {19u, 20u, 21u, 22u}) {
+    ToyWorld world = test::toy_world(seed);
+    world.sizes = {40, 30};
+    world.words_per_image = 24;
+    const MergeInput input = test::make_toy_merge(world);
+    const auto merger = make_merger(input);
+    MergeWatch watch(*merger, kDefaultMinConfidence);
+    std::vector<GuardVerdict> before;
+    std::uint64_t revoked = 0;
+    std::vector<std::uint32_t> joined;
+    while (!merger->done()) {
+      for (int i = 0; i < 40 && !merger->done(); ++i) merger->step();
+      watch.measure_edges(false);
+      const std::vector<MergeEdge>& edges = merger->state().edges;
+      const auto verdicts = guard_edges(input.members, input.inner_edges, edges, *input.appearances);
+      bool is_any_revoked = false;
+      for (std::size_t e = 0; e < before.size(); ++e) {
+        if (!before[e].confirmed() || verdicts[e].confirmed()) continue;
+        ++revoked;
+        is_any_revoked = true;
+      }
+      before = verdicts;
+      EXPECT_EQ(watch.revoked(), revoked);
+      EXPECT_EQ(watch.confirmed_edges(),
+                static_cast<std::uint64_t>(std::ranges::count_if(verdicts, &GuardVerdict::confirmed)));
+      for (std::size_t m = 0; m < joined.size() && !is_any_revoked; ++m)
+        EXPECT_GE(watch.metrics().joined[m], joined[m]);
+      joined = watch.metrics().joined;
+    }
+    revoked_in_all += revoked;
+  }
+  EXPECT_GT(revoked_in_all, 0u) << "nothing was put to the test";
 }
 
 TEST(MergeJobs, NothingIsAskedOfAConfirmedEdgeAtAConfidenceOfNought) {

@@ -54,6 +54,7 @@ std::map<std::string, int> expect_as_in_checkpoint(Store& store, std::int64_t jo
       for (const MergeEdge& edge : state.edges) {
         if (edge.u != u || edge.v != v) continue;
         expected.verdict = "accepted";
+        expected.confirmed = true;  // a job without a guard
         expected.matches = edge.verification.matches;
         expected.inliers = edge.verification.inliers;
       }
@@ -249,6 +250,9 @@ TEST_F(Pairs, WithoutAVerdictTheVerifierIsAskedForTheMatchesAlone) {
     EXPECT_EQ(pair.verdict, "pending");
     contract::Pair verified = explain(whole, u, v);
     verified.verdict = "pending";
+    verified.confirmed.reset();
+    verified.confidence.reset();
+    verified.evidence.reset();
     EXPECT_EQ(pair, verified);
   }
   EXPECT_GT(pending, 0);
@@ -338,7 +342,8 @@ TEST_F(Pairs, AnEdgeThatIsNotConfirmedSaysSo) {
                    std::vector<JudgedEdge>{
                        {VertexId{2},
                         VertexId{4},
-                        {0.25, Reason::kAmbiguous, {{"rare_matches", 3, -1.5}, {"of_yesterday", 0.5, std::nullopt}}}}});
+                        {0.25, Reason::kAmbiguous, {{"rare_matches", 3, -1.5}, {"of_yesterday", 0.5, std::nullopt}}}},
+                       {VertexId{3}, VertexId{4}, {}}});
     db.commit();
   }
   const contract::Pair pair = explain(id, 2, 4);
