@@ -20,19 +20,19 @@
 namespace mapweld {
 namespace {
 
-constexpr int kMaxPairings = 9;         // of one word: 3 x 3
-constexpr int kMaxMatches = 600;        // pairings of a pair of images
-constexpr int kMinSupport = 2;          // others that agree with a match before it counts
-constexpr std::size_t kWorthALook = 4;  // supported word matches, for all features to be compared
+constexpr int kMaxPairings = 9;   // of one word: 3 x 3
+constexpr int kMaxMatches = 600;  // pairings of a pair of images
+constexpr int kMinSupport = 2;    // others that agree with a match before it counts
+// Word matches with near signatures that agree about the images' turn, for all features to be compared.
+constexpr std::size_t kWorthALook = 2;
 constexpr int kBackgroundShifts = 32;
 // Inliers spread at least so far around their centre, in one image or the other: root mean square, in shares of the
-// diagonal. A fire cabinet or a notice hangs in two places; agreement about one small object is no place.
-constexpr double kMinSpread = 0.08;
+// diagonal. Agreement about one label or one lock is no place; a picture seen from afar is.
+constexpr double kMinSpread = 0.05;
 // Where signatures are known: of the features that both images should have, as far as the matches tell, so many match.
 // A thing that stands in two places matches by itself, and nothing around it does. Most such pairs are refused before a
-// geometry is estimated: what is left of the supported matches after it is seldom more, hence the margin.
-constexpr double kMinMatchedShare = 0.11;
-constexpr double kMinSupportedShare = 0.10;
+// geometry is estimated: of the supported matches seldom more are left after it.
+constexpr double kMinMatchedShare = 0.06;
 constexpr double kNominalTests = 100;  // pairs, models: see docs/verification.md, "Significance"
 constexpr double kNoEvidence = 300;    // log10 of false alarms when there is no model at all
 
@@ -57,16 +57,14 @@ struct Vote {
   Correspondences all;
   std::vector<std::uint32_t> matches;    // one to one: indices into the pairings
   std::vector<std::uint32_t> supported;  // those with kMinSupport
-  std::uint32_t best = 0;                // the pairing with most support (the first of several)
 };
 
-Vote vote(const AppearanceVector& a, const AppearanceVector& b, std::vector<FeatureMatch> pairings) {
+Vote count_votes(const AppearanceVector& a, const AppearanceVector& b, std::vector<FeatureMatch> pairings) {
   Vote vote;
   vote.pairings = std::move(pairings);
   vote.all = make_correspondences(a, b, vote.pairings);
   const std::vector<std::uint16_t> support = similarity_support(vote.all, {});
   vote.matches = one_to_one(a, b, vote.pairings, support);
-  vote.best = static_cast<std::uint32_t>(std::ranges::max_element(support) - support.begin());
   std::ranges::copy_if(vote.matches, std::back_inserter(vote.supported),
                        [&](std::uint32_t i) { return support[i] >= kMinSupport; });
   return vote;
@@ -80,23 +78,18 @@ std::vector<std::pair<std::uint16_t, std::uint16_t>> pairs_of(const std::vector<
   return pairs;
 }
 
-std::vector<FeatureMatch> in_union(const std::vector<FeatureMatch>& some, const std::vector<FeatureMatch>& others) {
-  std::vector<FeatureMatch> all;
-  all.reserve(some.size() + others.size());
-  std::ranges::set_union(some, others, std::back_inserter(all));
-  return all;
-}
-
-// With signatures, words only say which pairs are worth a closer look.
-Vote best_vote(const AppearanceVector& a, const AppearanceVector& b, bool by_signatures) {
-  std::vector<FeatureMatch> of_words = word_matches(a, b, kMaxPairings, kMaxMatches);
-  if (!by_signatures) return vote(a, b, std::move(of_words));
+// With signatures, words only say which pairs are worth a closer look, and how one image is turned against the other.
+std::vector<FeatureMatch> matches_by_signatures(const AppearanceVector& a, const AppearanceVector& b,
+                                                std::vector<FeatureMatch> of_words) {
   const SignatureMatchOptions options;
-  Vote by_words = vote(a, b, with_near_signatures(a, b, of_words, options));
-  if (by_words.supported.size() < kWorthALook) return by_words;
-  const FeatureMatch& best = by_words.pairings[by_words.best];
-  const float turn_deg = b.appearances[best.b].angle_deg - a.appearances[best.a].angle_deg;
-  return vote(a, b, in_union(by_words.pairings, signature_matches(a, b, turn_deg, options)));
+  of_words = with_near_signatures(a, b, of_words, options);
+  const CommonTurn turn = common_turn(a, b, of_words);
+  if (turn.agreeing < kWorthALook) return of_words;
+  const std::vector<FeatureMatch> nearest = signature_matches(a, b, turn.turn_deg, options);
+  std::vector<FeatureMatch> all;
+  all.reserve(of_words.size() + nearest.size());
+  std::ranges::set_union(of_words, nearest, std::back_inserter(all));
+  return all;
 }
 
 Verification verify_in_order(const AppearanceVector& a, const AppearanceVector& b, const VerifierOptions& options) {
@@ -110,13 +103,19 @@ Verification verify_in_order(const AppearanceVector& a, const AppearanceVector& 
   if (a.appearances.size() < needed || b.appearances.size() < needed) return reject(Reason::kTooFewFeatures);
 
   const bool by_signatures = options.signatures && has_signatures(a) && has_signatures(b);
-  const Vote vote = best_vote(a, b, by_signatures);
+  std::vector<FeatureMatch> found = word_matches(a, b, kMaxPairings, kMaxMatches);
+  if (by_signatures) found = matches_by_signatures(a, b, std::move(found));
+  if (found.size() < needed) {
+    v.matches = static_cast<int>(found.size());
+    return reject(Reason::kTooFewInliers);
+  }
+  const Vote vote = count_votes(a, b, std::move(found));
   const std::vector<FeatureMatch>& pairings = vote.pairings;
   const std::vector<std::uint32_t>& supported = vote.supported;
   v.matches = static_cast<int>(vote.matches.size());
   v.inliers = static_cast<int>(supported.size());
   if (supported.size() < needed) return reject(Reason::kTooFewInliers);
-  if (by_signatures && view_overlap(a, b, pairs_of(pairings, supported)).matched_share < kMinSupportedShare) {
+  if (by_signatures && view_overlap(a, b, pairs_of(pairings, supported)).matched_share < kMinMatchedShare) {
     return reject(Reason::kInconsistent);
   }
 

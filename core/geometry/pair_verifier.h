@@ -13,7 +13,7 @@ inline constexpr int kFewestInliers = 8;
 // Defaults measured, see docs/verification.md.
 struct VerifierOptions {
   int min_inliers = 10;             // accept only with at least so many consistent matches (below 8: 8)
-  double max_false_alarms = 1e-20;  // and only when chance would give them at most so often (a-contrario)
+  double max_false_alarms = 1e-10;  // and only when chance would give them at most so often (a-contrario)
   bool signatures = true;  // match by signatures where both images have them; false: by words alone (the paper)
 };
 

@@ -18,43 +18,40 @@ std::uint16_t on_grid(float angle_deg) {
   return static_cast<std::uint16_t>(static_cast<std::int32_t>(steps + (steps < 0 ? -0.5f : 0.5f)));
 }
 
-// Features in the order of their angles (then of their numbers).
+// Features in buckets by the upper byte of their angles (1.4 degrees), in the order of their numbers within one.
 class ByAngle {
  public:
-  explicit ByAngle(const AppearanceVector& image) {
-    keys_.reserve(image.appearances.size());
-    for (std::uint32_t i = 0; i < image.appearances.size(); ++i) {
-      keys_.push_back(std::uint32_t{on_grid(image.appearances[i].angle_deg)} << 16 | i);
+  explicit ByAngle(const AppearanceVector& image)
+      : features_(image.appearances.size()), signatures_(image.appearances.size()) {
+    std::vector<std::uint8_t> buckets;
+    buckets.reserve(features_.size());
+    for (const Appearance& appearance : image.appearances) {
+      buckets.push_back(static_cast<std::uint8_t>(on_grid(appearance.angle_deg) >> 8));
+      ++starts_[buckets.back() + std::size_t{1}];
     }
-    std::ranges::sort(keys_);
-    for (const std::uint32_t key : keys_) ++starts_[(key >> 24) + 1];
     for (std::size_t k = 1; k < starts_.size(); ++k) starts_[k] += starts_[k - 1];
-    signatures_.reserve(keys_.size());
-    for (const std::uint32_t key : keys_) signatures_.push_back(image.appearances[key & 0xFFFF].signature);
+    auto ends = starts_;
+    for (std::size_t i = 0; i < buckets.size(); ++i) {
+      const std::uint32_t place = ends[buckets[i]]++;
+      features_[place] = static_cast<std::uint16_t>(i);
+      signatures_[place] = image.appearances[i].signature;
+    }
   }
 
   const std::vector<Signature>& signatures() const { return signatures_; }
-  std::uint16_t feature(std::uint32_t place) const { return static_cast<std::uint16_t>(keys_[place]); }
+  std::uint16_t feature(std::uint32_t place) const { return features_[place]; }
 
-  // Those from one angle to another.
+  // Those from one angle to another, whole buckets.
   Compared between(std::uint16_t from, std::uint16_t to) const {
-    const auto size = static_cast<std::uint32_t>(keys_.size());
-    const std::uint32_t first = place_of(std::uint32_t{from} << 16);
-    const std::uint32_t end = place_of(std::uint32_t{to} << 16 | 0xFFFF);
+    const auto size = static_cast<std::uint32_t>(features_.size());
+    const std::uint32_t first = starts_[from >> 8], end = starts_[(to >> 8) + 1];
     return {first == size ? 0 : first, from <= to ? end - first : size - first + end};
   }
 
  private:
-  // Of the first key that is not less.
-  std::uint32_t place_of(std::uint32_t key) const {
-    std::uint32_t place = starts_[key >> 24];
-    while (place < keys_.size() && keys_[place] < key) ++place;
-    return place;
-  }
-
-  std::vector<std::uint32_t> keys_;  // angle above, number below
+  std::vector<std::uint16_t> features_;
   std::vector<Signature> signatures_;
-  std::array<std::uint32_t, 257> starts_{};  // by the upper byte of the angle
+  std::array<std::uint32_t, 257> starts_{};
 };
 
 bool near_and_distinct(const NearestSignature& nearest, const SignatureMatchOptions& options) {
@@ -95,13 +92,30 @@ std::vector<FeatureMatch> signature_matches(const AppearanceVector& a, const App
   return matches;
 }
 
+CommonTurn common_turn(const AppearanceVector& a, const AppearanceVector& b, const std::vector<FeatureMatch>& matches) {
+  constexpr std::size_t kBins = 32;
+  std::array<std::size_t, kBins> bins{};
+  for (const FeatureMatch& m : matches) {
+    const auto turn =
+        static_cast<std::uint16_t>(on_grid(b.appearances[m.b].angle_deg) - on_grid(a.appearances[m.a].angle_deg));
+    ++bins[turn / (65536 / kBins)];
+  }
+  CommonTurn common;
+  for (std::size_t i = 0; i < kBins; ++i) {
+    const std::size_t agreeing = bins[i] + bins[(i + 1) % kBins];
+    if (agreeing <= common.agreeing) continue;
+    common = {360.0f / kBins * static_cast<float>(i + 1), agreeing};
+  }
+  return common;
+}
+
 std::vector<FeatureMatch> with_near_signatures(const AppearanceVector& a, const AppearanceVector& b,
                                                const std::vector<FeatureMatch>& matches,
                                                const SignatureMatchOptions& options) {
   std::vector<FeatureMatch> near;
   near.reserve(matches.size());
   std::ranges::copy_if(matches, std::back_inserter(near), [&](const FeatureMatch& m) {
-    return hamming_distance(a.appearances[m.a].signature, b.appearances[m.b].signature) <= options.max_word_distance;
+    return hamming_distance(a.appearances[m.a].signature, b.appearances[m.b].signature) <= options.max_distance;
   });
   return near;
 }

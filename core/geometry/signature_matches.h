@@ -1,6 +1,7 @@
 // Matches between two images by the signatures of their features.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "core/geometry/feature_match.h"
@@ -11,12 +12,12 @@ namespace mapweld {
 // Bits of 128. Between two views of one point nine in ten signatures differ in at most 20 bits and 99 in a hundred in
 // at most 30; of two others' one in a hundred differs in so few.
 struct SignatureMatchOptions {
-  int max_distance = 28;       // of two that are each other's nearest
-  int max_word_distance = 40;  // of two features of one word
+  int max_distance = 28;  // of two that match
   // The nearest must be clearly nearer than the second nearest, seen from either image (Lowe 2004): at most so many
   // tenths of its distance.
   int max_tenths_of_runner_up = 9;
-  float max_turn_deg = 45;  // only features whose angles differ from the images' turn by so much are compared
+  float max_turn_deg =
+      30;  // features whose angles differ from the images' turn by more, and by 1.4 more, are not compared
 };
 
 // Whether signatures are known.
@@ -26,6 +27,14 @@ bool has_signatures(const AppearanceVector& image);
 // (a, b). `turn_deg`: by how much, about, the angles of b's features exceed those of a's. Both images have signatures.
 std::vector<FeatureMatch> signature_matches(const AppearanceVector& a, const AppearanceVector& b, float turn_deg,
                                             const SignatureMatchOptions& options);
+
+// By how much most of the matches turn: in the middle of the window of 22.5 degrees that holds most of them, a multiple
+// of 11.25 degrees; of several such windows the first. O(matches).
+struct CommonTurn {
+  float turn_deg = 0;
+  std::size_t agreeing = 0;  // matches in the window
+};
+CommonTurn common_turn(const AppearanceVector& a, const AppearanceVector& b, const std::vector<FeatureMatch>& matches);
 
 // Those of `matches` (of features of one word) whose signatures are near enough, in their order. Symmetric.
 std::vector<FeatureMatch> with_near_signatures(const AppearanceVector& a, const AppearanceVector& b,

@@ -266,7 +266,7 @@ TEST(EpipolarVerifier, OneSmallObjectIsNoPlace) {
   const EpipolarVerifier verifier;
   const Verification whole = verifier.verify(scene.a, scene.b);
   ASSERT_TRUE(whole.accepted);
-  const Verification small = verifier.verify(shrunk(scene.a, 0.2f), shrunk(scene.b, 0.2f));
+  const Verification small = verifier.verify(shrunk(scene.a, 0.12f), shrunk(scene.b, 0.12f));
   EXPECT_FALSE(small.accepted);
   EXPECT_EQ(small.reason, Reason::kNotSignificant);
   EXPECT_GE(small.inliers, 10);
