@@ -74,6 +74,12 @@ Answer<contract::Map> Client::map(const std::string& name) {
 }
 void Client::delete_map(const std::string& name) { connection_.remove(path_of(kRoot, {"maps", name})); }
 
+void Client::set_mask(const std::string& map, const std::string& png_bytes) {
+  connection_.put(path_of(kRoot, {"maps", map, "mask"}), png_bytes, std::string(media_type(png_bytes)));
+}
+std::string Client::mask(const std::string& map) { return connection_.get(path_of(kRoot, {"maps", map, "mask"})); }
+void Client::clear_mask(const std::string& map) { connection_.remove(path_of(kRoot, {"maps", map, "mask"})); }
+
 Answer<contract::Upload> Client::upload_image(const std::string& map, const ImageFile& image) {
   const std::string path = path_of(kRoot, {"maps", map, "images"}, {{"name", image.name}});
   return answer<contract::Upload>(connection_.post(path, image.bytes, std::string(media_type(image.bytes))));

@@ -69,6 +69,11 @@ class Client {
   Answer<contract::Map> map(const std::string& name);
   void delete_map(const std::string& name);
 
+  // A PNG, white where the map's images are used; for what is uploaded or localized from then on.
+  void set_mask(const std::string& map, const std::string& png_bytes);
+  std::string mask(const std::string& map);  // the PNG as it was sent; ServerProblem no_such_mask
+  void clear_mask(const std::string& map);
+
   // Uploads are safe to repeat: the same name with the same bytes gets the first outcome again.
   Answer<contract::Upload> upload_image(const std::string& map, const ImageFile& image);
   // At most contract::kMaxBatchImages, whose names have none of " \ %. The items stand in the order of `images`.

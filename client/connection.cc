@@ -199,6 +199,12 @@ std::string Connection::post(const std::string& path, const std::string& body, c
   return body_of(result, base_url_);
 }
 
+std::string Connection::put(const std::string& path, const std::string& body, const std::string& content_type) {
+  const NoSigpipe guard;
+  httplib::Result result = http_->client.Put(prefix_ + path, body, content_type);
+  return body_of(result, base_url_);
+}
+
 std::string Connection::post_form(const std::string& path, const std::vector<FormPart>& parts) {
   httplib::MultipartFormDataItems items;
   items.reserve(parts.size());

@@ -45,6 +45,7 @@ class Connection {
   // Each returns the body of a 2xx answer. Throws ServerProblem for any other status, ConnectionError for none.
   std::string get(const std::string& path);
   std::string post(const std::string& path, const std::string& body, const std::string& content_type);
+  std::string put(const std::string& path, const std::string& body, const std::string& content_type);
   std::string post_form(const std::string& path, const std::vector<FormPart>& parts);
   std::string remove(const std::string& path);
 

@@ -40,7 +40,10 @@ class Checker {
       part("database file", [this] { check_file(); });
       part("vocabularies", [this] { check_vocabularies(); });
       part("maps", [this] { check_maps(); });
-      part("images", [this] { check_images(); });
+      part("images", [this] {
+        check_images();
+        check_masks();
+      });
       part("appearances", [this] { check_appearances(); });
       part("segments", [this] { check_segments(); });
       part("edges", [this] { check_edges(); });
@@ -163,6 +166,15 @@ class Checker {
       expect(hash_of(row.blob(3)) == rows::sha256(row, 2),
              "image_bytes: map " + number(static_cast<std::uint64_t>(row.integer(0))) + ", " + std::string(row.text(1)),
              "the bytes have another SHA-256 than when they were uploaded");
+    }
+  }
+
+  void check_masks() {
+    sqlite::Statement row = db_.prepare("SELECT name, kind, sha256, bytes FROM map_masks JOIN maps ON id = map");
+    while (row.step()) {
+      const std::string where = "map_masks: " + std::string(row.text(0));
+      expect(hash_of(row.blob(3)) == rows::sha256(row, 2), where, "its bytes have another SHA-256 than its row");
+      expect(row.text(1) == "map", where, "a merged map has none");
     }
   }
 

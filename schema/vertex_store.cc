@@ -26,6 +26,8 @@ Reason parse_reason(std::string_view word) {
   throw StoreError(StoreErrorKind::kCorrupt, "'" + std::string(word) + "' is no known reason");
 }
 
+constexpr std::string_view kIdenticalWord = "identical";
+
 ImageRow read_row(const sqlite::Statement& row) {
   ImageRow image;
   image.id = row.id<ImageId>(0);
@@ -41,8 +43,12 @@ ImageRow read_row(const sqlite::Statement& row) {
   image.provenance.sequence = row.optional_text(10);
   image.provenance.index = row.optional_integer(11);
   image.provenance.camera = row.optional_text(12);
-  image.reason = parse_reason(row.text(13));
   if (!row.is_null(14)) image.similar_to = row.id<VertexId>(14);
+  if (image.similar_to && row.text(13) == kIdenticalWord) {
+    image.ignored_reason = IgnoredReason::kIdentical;
+  } else {
+    image.reason = parse_reason(row.text(13));
+  }
   image.inliers = static_cast<int>(row.integer(15));
   image.uploaded_at = rows::timestamp(row, 16);
   image.deleted_at = rows::optional_timestamp(row, 17);
@@ -63,8 +69,8 @@ std::uint32_t count_image(WriteTransaction& db, MapId map, bool inserted) {
   return static_cast<std::uint32_t>(vertices);
 }
 
-ImageId insert_image(WriteTransaction& db, MapId map, const NewImage& image, std::optional<VertexId> vertex,
-                     std::optional<VertexId> similar_to, std::optional<int> inliers) {
+ImageId insert_image(WriteTransaction& db, MapId map, const NewImage& image, std::string_view reason,
+                     std::optional<VertexId> vertex, std::optional<VertexId> similar_to, std::optional<int> inliers) {
   const Provenance& from = image.provenance;
   db.prepare(
         "INSERT INTO images (map, vertex, name, sha256, media_type, width_px, height_px, features, captured_at_us, "
@@ -72,7 +78,7 @@ ImageId insert_image(WriteTransaction& db, MapId map, const NewImage& image, std
         "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
       .bind_all(map, vertex, image.name, std::span<const std::uint8_t>(image.sha256), image.media_type, image.width_px,
                 image.height_px, image.features, rows::microseconds(from.captured_at), from.sequence, from.index,
-                from.camera, to_string(image.reason), similar_to, inliers, rows::microseconds(image.uploaded_at))
+                from.camera, reason, similar_to, inliers, rows::microseconds(image.uploaded_at))
       .run();
   const ImageId id{db.connection().last_insert_rowid()};
   if (!image.bytes.empty()) {
@@ -86,7 +92,7 @@ ImageId insert_image(WriteTransaction& db, MapId map, const NewImage& image, std
 VertexId insert_vertex(WriteTransaction& db, MapId map, VocabularyId vocabulary, const NewImage& image,
                        const AppearanceVector& appearances, std::span<const NewEdge> edges, VerifierId verifier) {
   const VertexId vertex{count_image(db, map, true)};
-  insert_image(db, map, image, vertex, std::nullopt, std::nullopt);
+  insert_image(db, map, image, to_string(image.reason), vertex, std::nullopt, std::nullopt);
   const blobs::Bytes bytes = blobs::encode_appearances(appearances);
   db.prepare("INSERT INTO appearances (map, vertex, vocabulary, bytes) VALUES (?, ?, ?, ?)")
       .bind_all(map, vertex, vocabulary, std::span<const std::uint8_t>(bytes))
@@ -97,14 +103,28 @@ VertexId insert_vertex(WriteTransaction& db, MapId map, VocabularyId vocabulary,
   return vertex;
 }
 
-ImageId insert_ignored(WriteTransaction& db, MapId map, const NewImage& image, VertexId similar_to, int inliers) {
+std::string_view to_string(IgnoredReason reason) {
+  return reason == IgnoredReason::kIdentical ? kIdenticalWord : "too_similar";
+}
+
+ImageId insert_ignored(WriteTransaction& db, MapId map, const NewImage& image, VertexId similar_to, int inliers,
+                       IgnoredReason reason) {
   count_image(db, map, false);
-  return insert_image(db, map, image, std::nullopt, similar_to, inliers);
+  const std::string_view stored = reason == IgnoredReason::kIdentical ? kIdenticalWord : "";
+  return insert_image(db, map, image, stored, std::nullopt, similar_to, inliers);
 }
 
 std::optional<ImageRow> find_image(const Reader& db, MapId map, std::string_view name) {
   sqlite::Statement row = db.prepare(std::string(kColumns) + "WHERE map = ? AND name = ?");
   if (!row.bind_all(map, name).step()) return std::nullopt;
+  return read_row(row);
+}
+
+std::optional<ImageRow> find_image(const Reader& db, MapId map, const Sha256& sha256) {
+  sqlite::Statement row =
+      db.prepare(std::string(kColumns) +
+                 "WHERE map = ? AND sha256 = ? AND deleted_at_us IS NULL ORDER BY vertex IS NULL, id LIMIT 1");
+  if (!row.bind_all(map, std::span<const std::uint8_t>(sha256)).step()) return std::nullopt;
   return read_row(row);
 }
 

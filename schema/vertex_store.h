@@ -38,8 +38,17 @@ struct NewImage {
 VertexId insert_vertex(WriteTransaction& db, MapId map, VocabularyId vocabulary, const NewImage& image,
                        const AppearanceVector& appearances, std::span<const NewEdge> edges, VerifierId verifier);
 
-// Remembers an image that was not inserted because it shows too much of what `similar_to` shows. Grows the revision.
-ImageId insert_ignored(WriteTransaction& db, MapId map, const NewImage& image, VertexId similar_to, int inliers);
+// Why an image was not inserted.
+enum class IgnoredReason : std::uint8_t {
+  kTooSimilar,  // it shows too much of what a vertex shows
+  kIdentical,   // the map has an image of the same bytes
+};
+// The word of http-api.md: "too_similar", "identical".
+std::string_view to_string(IgnoredReason reason);
+
+// Remembers an image that was not inserted because of what `similar_to` shows. Grows the revision.
+ImageId insert_ignored(WriteTransaction& db, MapId map, const NewImage& image, VertexId similar_to, int inliers,
+                       IgnoredReason reason = IgnoredReason::kTooSimilar);
 
 struct ImageRow {
   ImageId id{};
@@ -53,8 +62,9 @@ struct ImageRow {
   int features = 0;
   Provenance provenance;
   Reason reason = Reason::kNone;
-  std::optional<VertexId> similar_to;  // ignored: the vertex that it resembles too much
-  int inliers = 0;                     // ignored: to that vertex
+  std::optional<VertexId> similar_to;                         // ignored: the vertex that it resembles too much
+  int inliers = 0;                                            // ignored: to that vertex
+  IgnoredReason ignored_reason = IgnoredReason::kTooSimilar;  // ignored: why
   Timestamp uploaded_at;
   std::optional<Timestamp> deleted_at;  // tombstone: the number stays taken
   bool has_bytes = false;               // the uploaded bytes are kept
@@ -62,6 +72,8 @@ struct ImageRow {
 
 // By name, inserted or ignored: how a repeated upload is recognised.
 std::optional<ImageRow> find_image(const Reader& db, MapId map, std::string_view name);
+// By its bytes: a vertex where there is one, else an ignored image, the first of them; not one that was deleted.
+std::optional<ImageRow> find_image(const Reader& db, MapId map, const Sha256& sha256);
 std::optional<ImageRow> find_vertex(const Reader& db, MapId map, VertexId vertex);
 
 // The bytes as they were uploaded; nullopt when they were not kept.

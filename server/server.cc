@@ -50,6 +50,7 @@ class Server::Impl {
         jobs_(store_, job_options(config)),
         merges_(store_, jobs_, opener_),
         maps_(store_, opener_, vocabularies_, [this](std::int64_t merge) { merges_.remove(merge); }),
+        masks_(store_),
         images_(store_, cache_, vocabularies_, workers_, metrics_),
         localization_(store_, opener_, vocabularies_, workers_, metrics_),
         quality_(store_),
@@ -88,6 +89,7 @@ class Server::Impl {
                         .metrics = metrics_,
                         .vocabularies = vocabularies_,
                         .maps = maps_,
+                        .masks = masks_,
                         .images = images_,
                         .localization = localization_,
                         .quality = quality_,
@@ -137,6 +139,7 @@ class Server::Impl {
   MergeJobs jobs_;
   MergeService merges_;
   MapService maps_;
+  MaskService masks_;
   ImageService images_;
   LocalizeService localization_;
   QualityService quality_;

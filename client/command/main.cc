@@ -71,6 +71,7 @@ int main(int argc, char** argv) {
   app.footer(std::string("mapweld COMMAND --help says more about each.\n\n") + command::kExitCodeHelp);
 
   command::add_map_command(app, context);
+  command::add_mask_command(app, context);
   command::add_upload_command(app, context);
   command::add_localize_command(app, context);
   command::add_merge_command(app, context);

@@ -1,4 +1,5 @@
 // mapweld map create|list|show|delete
+#include <cmath>
 #include <map>
 #include <memory>
 
@@ -23,7 +24,7 @@ std::string describe(const contract::Map& map) {
       {"vocabulary", map.vocabulary},
       {"vertices", std::to_string(map.vertices)},
       {"edges", std::to_string(map.edges)},
-      {"ignored", count_text(map.ignored, "image") + " too similar to others"},
+      {"ignored", count_text(map.ignored, "image") + " too similar or identical to others"},
   };
   if (map.merge) {
     std::string members;
@@ -41,6 +42,10 @@ std::string describe(const contract::Map& map) {
         (parameters.empty() ? "" : ", ") + key + " " + (value.is_string() ? value.get<std::string>() : value.dump());
   }
   lines.emplace_back("parameters", parameters);
+  if (map.mask) {
+    lines.emplace_back("mask", std::to_string(map.mask->width_px) + "x" + std::to_string(map.mask->height_px) + ", " +
+                                   std::to_string(std::lround(100 * map.mask->used_share)) + " % of an image used");
+  }
   std::string labels;
   for (const auto& [key, text] : map.labels) labels += (labels.empty() ? "" : ", ") + printable(key + "=" + text);
   if (!labels.empty()) lines.emplace_back("labels", labels);

@@ -70,7 +70,7 @@ class UploadProgress {
 std::string summary(const client::UploadOptions& options, const UploadReport& report, double elapsed_s) {
   std::string text = count_text(report.files, "image") + " of " + printable(options.directory.string()) + ": " +
                      std::to_string(report.inserted) + " inserted, " + std::to_string(report.ignored) +
-                     " ignored as too similar";
+                     " ignored as too similar or identical";
   if (report.skipped > 0) text += ", " + std::to_string(report.skipped) + " there already";
   if (report.refused > 0) text += ", " + std::to_string(report.refused) + " refused";
   const std::int64_t sent = report.inserted + report.ignored;

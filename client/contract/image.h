@@ -52,7 +52,7 @@ struct Vertex {
 // GET /v1/maps/{m}/ignored
 struct IgnoredImage {
   std::string name;
-  std::string reason;  // "too_similar"
+  std::string reason;  // "too_similar" or "identical"
   std::int64_t similar_to = 0;
   int inliers = 0;
   int features = 0;
@@ -91,7 +91,7 @@ struct Upload {
   std::string name;
   int features = 0;
   std::optional<std::vector<UploadEdge>> edges;
-  std::optional<std::string> reason;  // inserted: why it has no edge, or null; ignored: "too_similar"
+  std::optional<std::string> reason;  // inserted: why it has no edge, or null; ignored: "too_similar" or "identical"
   std::optional<std::int64_t> similar_to;
   std::optional<int> inliers;
   double took_ms = 0;

@@ -63,6 +63,20 @@ struct MapMember {
   friend bool operator==(const MapMember&, const MapMember&) = default;
 };
 
+// Which pixels of a map's images bear features.
+struct MapMask {
+  int width_px = 0;
+  int height_px = 0;
+  double used_share = 0;  // of its pixels
+  std::string sha256;     // of the PNG
+  static constexpr auto fields() {
+    using M = MapMask;
+    return std::tuple(field("width_px", &M::width_px), field("height_px", &M::height_px),
+                      field("used_share", &M::used_share), field("sha256", &M::sha256));
+  }
+  friend bool operator==(const MapMask&, const MapMask&) = default;
+};
+
 struct Map {
   std::string name;
   std::string kind = "map";  // "map", or "merged"
@@ -74,6 +88,7 @@ struct Map {
   std::string uuid;
   MapParameters parameters;
   std::map<std::string, std::string> labels;
+  std::optional<MapMask> mask;        // absent: every pixel is used
   std::vector<MapMember> members;     // of a merged map, in the order of submission
   std::optional<std::int64_t> merge;  // the merge that owns a merged map; absent in a plain map
   std::string created_at;             // RFC 3339, UTC
@@ -83,8 +98,9 @@ struct Map {
                       field("vertices", &Map::vertices), field("edges", &Map::edges),
                       field("edge_counts", &Map::edge_counts), field("ignored", &Map::ignored),
                       field("uuid", &Map::uuid), field("parameters", &Map::parameters), field("labels", &Map::labels),
-                      field("members", &Map::members), omitted_when_empty("merge", &Map::merge),
-                      field("created_at", &Map::created_at), field("revision", &Map::revision));
+                      omitted_when_empty("mask", &Map::mask), field("members", &Map::members),
+                      omitted_when_empty("merge", &Map::merge), field("created_at", &Map::created_at),
+                      field("revision", &Map::revision));
   }
   friend bool operator==(const Map&, const Map&) = default;
 };

@@ -28,6 +28,7 @@ inline constexpr std::array kCodes = {
     CodeEntry{"no_such_map", 404, "There is no map of this name"},
     CodeEntry{"no_such_vertex", 404, "The map has no such vertex"},
     CodeEntry{"no_such_image", 404, "There is no such image"},
+    CodeEntry{"no_such_mask", 404, "The map has no mask"},
     CodeEntry{"no_such_vocabulary", 404, "There is no vocabulary of this name"},
     CodeEntry{"no_such_merge", 404, "There is no merge of this number"},
     CodeEntry{"no_such_backup", 404, "There is no backup of this number"},
@@ -54,6 +55,7 @@ inline constexpr std::array kCodes = {
     CodeEntry{"range_not_satisfiable", 416, "The range is not satisfiable"},
 
     CodeEntry{"undecodable_image", 422, "The image is truncated or corrupt"},
+    CodeEntry{"empty_mask", 422, "The mask leaves no pixel"},
     CodeEntry{"duplicate_member", 422, "A map is named twice"},
     CodeEntry{"too_few_members", 422, "A merge needs two maps or more"},
     CodeEntry{"unknown_method", 422, "There is no merge method of this name"},

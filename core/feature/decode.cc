@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <opencv2/core.hpp>
 #include <string>
 
+#include <opencv2/core.hpp>
+
 #include "core/errors.h"
+#include "core/feature/contrast.h"
 #include "core/feature/jpeg.h"
 #include "core/feature/png.h"
 
@@ -89,16 +91,25 @@ ImageHeader read_image_header(std::span<const std::uint8_t> bytes) {
   return {ImageHeader::Format::kJpeg, reader.width_px(), reader.height_px()};
 }
 
-cv::Mat decode_grey(std::span<const std::uint8_t> bytes, const DecodeOptions& options) {
+DecodedImage decode_image(std::span<const std::uint8_t> bytes, const DecodeOptions& options) {
+  DecodedImage image;
   if (read_format(bytes) == ImageHeader::Format::kPng) {
     const ImageHeader header = read_png_header(bytes);
     refuse_large(header.width_px, header.height_px, options);
-    PngImage image = read_png_grey(bytes);
-    return apply_orientation(std::move(image.grey), image.orientation);
+    const PngImage png = read_png_grey(bytes);
+    image.grey = apply_orientation(png.grey, png.orientation);
+    if (!png.used.empty()) image.used = apply_orientation(png.used, png.orientation);
+  } else {
+    JpegReader reader(bytes);
+    refuse_large(reader.width_px(), reader.height_px(), options);
+    image.grey = apply_orientation(reader.read_grey(), reader.orientation());
   }
-  JpegReader reader(bytes);
-  refuse_large(reader.width_px(), reader.height_px(), options);
-  return apply_orientation(reader.read_grey(), reader.orientation());
+  image.grey = options.stretch ? stretched_to_8_bits(image.grey, image.used) : scaled_to_8_bits(image.grey);
+  return image;
+}
+
+cv::Mat decode_grey(std::span<const std::uint8_t> bytes, const DecodeOptions& options) {
+  return decode_image(bytes, options).grey;
 }
 
 }  // namespace mapweld

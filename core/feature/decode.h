@@ -12,6 +12,7 @@ namespace mapweld {
 struct DecodeOptions {
   std::int64_t max_pixels = 16'000'000;  // refused by the header, before anything is decoded
   int max_side_px = 8192;
+  bool stretch = true;  // a narrow range of values, see core/feature/contrast.h; false: 16 bits are only scaled to 8
 };
 
 struct ImageHeader {
@@ -24,9 +25,18 @@ struct ImageHeader {
 // Throws ImageError: empty_body, unsupported_image, undecodable_image (a header cut short).
 ImageHeader read_image_header(std::span<const std::uint8_t> bytes);
 
-// Decodes a JPEG or PNG to 8-bit grey (CV_8UC1), EXIF orientation applied once. 16-bit, CMYK, 1x1 images and the first
-// frame of an animation are taken. Thread-safe.
-// Throws ImageError: as read_image_header, and image_too_large (by the header), undecodable_image (truncated, corrupt).
+struct DecodedImage {
+  cv::Mat grey;  // CV_8UC1
+  cv::Mat
+      used;  // CV_8UC1 of the same size: 0 where the picture is wholly transparent, else 255; empty: all of it is used
+};
+
+// Decodes a JPEG or PNG to 8-bit grey, EXIF orientation applied once, a narrow range of values stretched. 16-bit, CMYK,
+// 1x1 images and the first frame of an animation are taken. Thread-safe. Throws ImageError: as read_image_header, and
+// image_too_large (by the header), undecodable_image (truncated, corrupt).
+DecodedImage decode_image(std::span<const std::uint8_t> bytes, const DecodeOptions& options = {});
+
+// Its grey alone.
 cv::Mat decode_grey(std::span<const std::uint8_t> bytes, const DecodeOptions& options = {});
 
 }  // namespace mapweld

@@ -4,11 +4,15 @@
 #include <cmath>
 #include <cstring>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 #include <tuple>
+#include <vector>
 
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "core/feature/mask.h"
 
 namespace mapweld {
 namespace {
@@ -38,10 +42,32 @@ cv::Mat shrink(const cv::Mat& grey, int max_pixels) {
   return small;
 }
 
+// Of a mask shrunk with its image: a pixel is used when all that went into it is.
+cv::Mat shrink_mask(const cv::Mat& used, int max_pixels) { return shrink(used, max_pixels) == 255; }
+
+// How far keypoints of OpenCV are from an unused pixel, against their diameter.
+class MaskDistance {
+ public:
+  explicit MaskDistance(const cv::Mat& used) {
+    cv::distanceTransform(used, distance_px_, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  }
+  bool is_clear(const cv::KeyPoint& keypoint) const {
+    const int x = std::clamp(static_cast<int>(std::lround(keypoint.pt.x)), 0, distance_px_.cols - 1);
+    const int y = std::clamp(static_cast<int>(std::lround(keypoint.pt.y)), 0, distance_px_.rows - 1);
+    return distance_px_.at<float>(y, x) > keypoint.size;
+  }
+
+ private:
+  cv::Mat distance_px_;
+};
+
 }  // namespace
 
-Features extract_features(const cv::Mat& grey, const ExtractorOptions& options) {
+Features extract_features(const cv::Mat& grey, const ExtractorOptions& options, const cv::Mat& used) {
   if (grey.type() != CV_8UC1) throw std::invalid_argument("extract_features: the image is not 8-bit grey");
+  if (!used.empty() && (used.type() != CV_8UC1 || used.size() != grey.size())) {
+    throw std::invalid_argument("extract_features: the mask is not of the image's size, or not of bytes");
+  }
   if (options.max_features < 0) throw std::invalid_argument("extract_features: max_features is negative");
   if (options.max_pixels < 1) throw std::invalid_argument("extract_features: max_pixels is not positive");
   Features features;
@@ -49,15 +75,24 @@ Features extract_features(const cv::Mat& grey, const ExtractorOptions& options) 
   features.height_px = grey.rows;
   if (grey.empty()) return features;
 
-  const cv::Mat image = shrink(grey, options.max_pixels);
+  cv::Mat image = shrink(grey, options.max_pixels);
+  std::optional<MaskDistance> mask;
+  if (!used.empty()) {
+    const cv::Mat used_of_image = shrink_mask(used, options.max_pixels);
+    if (cv::countNonZero(used_of_image) == 0) return features;
+    image = fill_unused(image, used_of_image);
+    mask.emplace(used_of_image);
+  }
   // retainBest inside keeps all that tie with the weakest, so the cut below is over a set that no order decides.
   std::vector<cv::KeyPoint> found;
   cv::Mat descriptors;
-  cv::SIFT::create(options.max_features, kOctaveLayers, kContrastThreshold, kEdgeThreshold, kSigma, CV_8U)
+  const int wanted = mask ? 0 : options.max_features;  // the strongest of those that the mask leaves
+  cv::SIFT::create(wanted, kOctaveLayers, kContrastThreshold, kEdgeThreshold, kSigma, CV_8U)
       ->detectAndCompute(image, cv::noArray(), found, descriptors);
 
   std::vector<std::size_t> order(found.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
+  if (mask) std::erase_if(order, [&](std::size_t i) { return !mask->is_clear(found[i]); });
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return stronger(found[a], found[b]); });
   if (options.max_features > 0) order.resize(std::min(order.size(), static_cast<std::size_t>(options.max_features)));
 

@@ -18,9 +18,13 @@ struct ExtractorOptions {
 // texture, or too small for SIFT, gives none. Deterministic and thread-safe: same pixels, same features, whatever runs
 // beside it.
 //
+// `used`: CV_8UC1 of the image's size, 0 where a pixel must bear no feature; empty: all may. What lies under unused
+// pixels has no influence on anything, and neither they nor their border make a feature: one that has an unused pixel
+// within its diameter (scale_px) is left out, and the strongest are chosen of the others.
+//
 // OpenCV's own threads are the process's business: a program that extracts many images at once calls
 // cv::setNumThreads(1) in its main, and keep_freed_memory() (core/feature/allocation.h), which spares SIFT a third of
-// its time. Throws std::invalid_argument for other than CV_8UC1, or negative options.
-Features extract_features(const cv::Mat& grey, const ExtractorOptions& options = {});
+// its time. Throws std::invalid_argument for other than CV_8UC1, masks of another size, or negative options.
+Features extract_features(const cv::Mat& grey, const ExtractorOptions& options = {}, const cv::Mat& used = {});
 
 }  // namespace mapweld

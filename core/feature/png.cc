@@ -1,6 +1,6 @@
 #include "core/feature/png.h"
 
-#include <algorithm>
+#include <bit>
 #include <csetjmp>
 #include <cstdio>
 #include <cstring>
@@ -54,10 +54,10 @@ struct Reader {
     png_read_info(codec, info);
     const int colour = png_get_color_type(codec, info);
     const int depth = png_get_bit_depth(codec, info);
-    if (depth == 16) png_set_scale_16(codec);
+    if (depth == 16 && std::endian::native == std::endian::little) png_set_swap(codec);
     if (colour == PNG_COLOR_TYPE_PALETTE) png_set_palette_to_rgb(codec);
     if (colour == PNG_COLOR_TYPE_GRAY && depth < 8) png_set_expand_gray_1_2_4_to_8(codec);
-    if ((colour & PNG_COLOR_MASK_ALPHA) != 0) png_set_strip_alpha(codec);
+    if (png_get_valid(codec, info, PNG_INFO_tRNS) != 0) png_set_tRNS_to_alpha(codec);
     png_set_interlace_handling(codec);
     png_read_update_info(codec, info);
     return true;
@@ -73,6 +73,33 @@ struct Reader {
   [[noreturn]] void fail() const { throw ImageError("undecodable_image", std::string("PNG: ") + message); }
 };
 
+cv::Mat grey_of(const cv::Mat& pixels) {
+  cv::Mat grey;
+  switch (pixels.channels()) {
+    case 1:
+      return pixels;
+    case 2:
+      cv::extractChannel(pixels, grey, 0);
+      return grey;
+    case 3:
+      cv::cvtColor(pixels, grey, cv::COLOR_RGB2GRAY);
+      return grey;
+    default:
+      cv::cvtColor(pixels, grey, cv::COLOR_RGBA2GRAY);
+      return grey;
+  }
+}
+
+// Empty where nothing is wholly transparent.
+cv::Mat used_of(const cv::Mat& pixels) {
+  const int channels = pixels.channels();
+  if (channels != 2 && channels != 4) return {};
+  cv::Mat alpha;
+  cv::extractChannel(pixels, alpha, channels - 1);
+  cv::Mat used = alpha != 0;
+  return cv::countNonZero(used) == static_cast<int>(used.total()) ? cv::Mat() : used;
+}
+
 }  // namespace
 
 PngImage read_png_grey(std::span<const std::uint8_t> bytes) {
@@ -82,20 +109,16 @@ PngImage read_png_grey(std::span<const std::uint8_t> bytes) {
   const auto width = static_cast<int>(png_get_image_width(reader.codec, reader.info));
   const auto height = static_cast<int>(png_get_image_height(reader.codec, reader.info));
   const int channels = png_get_channels(reader.codec, reader.info);
-  cv::Mat pixels(height, width, CV_8UC(channels));
-  if (png_get_rowbytes(reader.codec, reader.info) > pixels.step[0] || (channels != 1 && channels != 3)) {
+  const int depth = png_get_bit_depth(reader.codec, reader.info) == 16 ? CV_16U : CV_8U;
+  cv::Mat pixels(height, width, CV_MAKETYPE(depth, channels));
+  if (png_get_rowbytes(reader.codec, reader.info) > pixels.step[0] || channels > 4) {
     throw ImageError("undecodable_image", "PNG: unexpected layout of pixels");
   }
   std::vector<png_bytep> rows(static_cast<std::size_t>(height));
   for (int y = 0; y < height; ++y) rows[static_cast<std::size_t>(y)] = pixels.ptr(y);
   if (!reader.read_pixels(rows.data())) reader.fail();
 
-  PngImage image;
-  if (channels == 3) {
-    cv::cvtColor(pixels, image.grey, cv::COLOR_RGB2GRAY);
-  } else {
-    image.grey = pixels;
-  }
+  PngImage image{.grey = grey_of(pixels), .used = used_of(pixels)};
   png_bytep exif = nullptr;
   png_uint_32 exif_bytes = 0;
   if (png_get_eXIf_1(reader.codec, reader.info, &exif_bytes, &exif) != 0) {

@@ -11,11 +11,13 @@ namespace mapweld {
 
 // A PNG that was read to its end.
 struct PngImage {
-  cv::Mat grey;         // CV_8UC1; colour by BT.601 as in JPEG, 16 bits scaled to 8, transparency ignored
+  cv::Mat grey;  // CV_16UC1 of a file with 16 bits a sample, else CV_8UC1; colour by BT.601 as in JPEG
+  cv::Mat used;  // CV_8UC1, 0 where alpha is 0 (by a channel of its own or a tRNS chunk), else 255; empty: everywhere
   int orientation = 1;  // EXIF, 1..8; not applied
 };
 
-// Throws ImageError undecodable_image: cut short, corrupt, a checksum that does not hold.
+// Any colour type and depth, interlaced or not. Throws ImageError undecodable_image: cut short, corrupt, a checksum
+// that does not hold.
 PngImage read_png_grey(std::span<const std::uint8_t> bytes);
 
 }  // namespace mapweld

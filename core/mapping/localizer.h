@@ -18,11 +18,14 @@ struct MapParameters {
   int max_features = 500;
   std::uint32_t min_votes = 10;
   int min_inliers = 10;
-  int max_inliers = 200;  // a new image with more inliers to some vertex is ignored as too similar
+  int max_inliers = 200;  // a new image with more inliers to some vertex is ignored as too similar; see mapper.h
   int verify_top = 50;    // so many best candidates are verified when localizing and mapping
   VoteRule votes = VoteRule::kMin;
   friend bool operator==(const MapParameters&, const MapParameters&) = default;
 };
+
+// As max_inliers: every image is kept, that of a camera at rest too.
+inline constexpr int kUnlimitedInliers = 65535;
 
 // What localization needs to read of a map.
 class MapView {

@@ -1,6 +1,26 @@
 #include "core/mapping/mapper.h"
 
+#include <algorithm>
+
+#include "core/mapping/unmoved_view.h"
+
 namespace mapweld {
+namespace {
+
+// The match of a vertex that has seen enough of the image already; null when there is none. `matches`: verified, by
+// inliers.
+const LocalizationMatch* find_too_similar(const AppearanceVector& image, const MapView& map,
+                                          const std::vector<LocalizationMatch>& matches,
+                                          const MapParameters& parameters) {
+  if (matches.empty() || parameters.max_inliers >= kUnlimitedInliers) return nullptr;
+  if (matches.front().verification.inliers > parameters.max_inliers) return &matches.front();
+  const auto unmoved = std::ranges::find_if(matches, [&](const LocalizationMatch& match) {
+    return is_unmoved_view(image, *map.appearances(match.vertex), match.verification);
+  });
+  return unmoved == matches.end() ? nullptr : &*unmoved;
+}
+
+}  // namespace
 
 MappingDecision decide(const AppearanceVector& image, const MapView& map, const PairVerifier& verifier,
                        const MapParameters& parameters) {
@@ -11,10 +31,10 @@ MappingDecision decide(const AppearanceVector& image, const MapView& map, const 
     if (!match.verified) break;
     decision.edges.push_back(match);
   }
-  if (!decision.edges.empty() && decision.edges.front().verification.inliers > parameters.max_inliers) {
+  if (const LocalizationMatch* similar = find_too_similar(image, map, decision.edges, parameters)) {
     decision.outcome = MappingDecision::Outcome::kIgnored;
-    decision.similar_to = decision.edges.front().vertex;
-    decision.inliers = decision.edges.front().verification.inliers;
+    decision.similar_to = similar->vertex;
+    decision.inliers = similar->verification.inliers;
     decision.edges.clear();
   }
   return decision;

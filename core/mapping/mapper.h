@@ -16,8 +16,9 @@ struct MappingDecision {
   std::vector<LocalizationMatch> edges;  // kInserted: the verified matches, by inliers
 };
 
-// Decides what becomes of `image`; changes nothing. The first image of a map is always inserted, as is one without
-// features.
+// Decides what becomes of `image`; changes nothing. It is ignored when it has more than max_inliers inliers with a
+// vertex, or when it is the view of a vertex with nothing moved (core/mapping/unmoved_view.h). The first image of a map
+// is always inserted, as is one without features.
 MappingDecision decide(const AppearanceVector& image, const MapView& map, const PairVerifier& verifier,
                        const MapParameters& parameters);
 

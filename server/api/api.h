@@ -8,6 +8,7 @@
 #include "server/services/image_service.h"
 #include "server/services/localize_service.h"
 #include "server/services/map_service.h"
+#include "server/services/mask_service.h"
 #include "server/services/merge_service.h"
 #include "server/services/quality_service.h"
 #include "server/services/vocabulary_service.h"
@@ -20,6 +21,7 @@ struct Services {
   Metrics& metrics;
   VocabularyService& vocabularies;
   MapService& maps;
+  MaskService& masks;
   ImageService& images;
   LocalizeService& localization;
   QualityService& quality;
@@ -34,6 +36,7 @@ Router make_router(const Services& services);
 void add_system_routes(Router& router, const Services& services);
 void add_vocabulary_routes(Router& router, const Services& services);
 void add_map_routes(Router& router, const Services& services);
+void add_mask_routes(Router& router, const Services& services);
 void add_image_routes(Router& router, const Services& services);
 void add_merge_routes(Router& router, const Services& services);
 

@@ -71,12 +71,7 @@ Reply upload_batch(ImageService& images, const Request& request) {
 
 Reply read_back(const MapService& maps, const Request& request) {
   const auto vertex = number_in_path<std::uint32_t>(request, "vertex", "no_such_vertex");
-  StoredImage image = maps.image(request.parameter("map"), vertex);
-  Reply reply;
-  reply.content_type = std::move(image.media_type);
-  reply.body = std::move(image.bytes);
-  reply.headers.emplace_back("ETag", "\"" + image.sha256 + "\"");
-  return reply;
+  return image_reply(maps.image(request.parameter("map"), vertex));
 }
 
 Reply localize(LocalizeService& localization, const Request& request) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "client/contract/codec.h"
@@ -28,6 +29,15 @@ Reply json_reply(int status, const Document& document) {
 inline Reply no_content() {
   Reply reply;
   reply.status = 204;
+  return reply;
+}
+
+// The bytes as they are stored, with their hash as ETag.
+inline Reply image_reply(StoredImage image) {
+  Reply reply;
+  reply.content_type = std::move(image.media_type);
+  reply.body = std::move(image.bytes);
+  reply.headers.emplace_back("ETag", "\"" + image.sha256 + "\"");
   return reply;
 }
 

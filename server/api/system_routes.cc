@@ -45,6 +45,7 @@ Router make_router(const Services& services) {
   add_system_routes(router, services);
   add_vocabulary_routes(router, services);
   add_map_routes(router, services);
+  add_mask_routes(router, services);
   add_image_routes(router, services);
   add_merge_routes(router, services);
   return router;

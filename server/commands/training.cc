@@ -46,7 +46,8 @@ struct ExtractedImage {
 
 ExtractedImage extract(const fs::path& path, int max_features) {
   try {
-    return {extract_features(decode_grey(read_file(path)), {max_features}).descriptors, {}};
+    const DecodedImage image = decode_image(read_file(path));
+    return {extract_features(image.grey, {max_features}, image.used).descriptors, {}};
   } catch (const std::exception& error) {
     return {{}, error.what()};
   }

@@ -47,7 +47,7 @@ std::vector<std::int64_t> degrees_of(const Reader& db, const MapLayout& layout) 
 contract::IgnoredImage describe_ignored(const ImageRow& row) {
   contract::IgnoredImage image;
   image.name = row.name;
-  image.reason = "too_similar";
+  image.reason = to_string(row.ignored_reason);
   image.similar_to = to_index(row.similar_to.value_or(VertexId{}));
   image.inliers = row.inliers;
   image.features = row.features;

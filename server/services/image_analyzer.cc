@@ -2,21 +2,23 @@
 
 #include "core/feature/decode.h"
 #include "core/feature/extractor.h"
+#include "core/feature/mask.h"
 #include "core/vocabulary/appearance_vector.h"
 
 namespace mapweld::server {
 
 AnalyzedImage analyze(std::span<const std::uint8_t> bytes, const Vocabulary& vocabulary, int max_features,
-                      Metrics& metrics) {
+                      const cv::Mat& mask, Metrics& metrics) {
   Stopwatch watch;
   AnalyzedImage image;
   image.media_type = read_image_header(bytes).format == ImageHeader::Format::kPng ? "image/png" : "image/jpeg";
-  const cv::Mat grey = decode_grey(bytes);
-  image.width_px = grey.cols;
-  image.height_px = grey.rows;
+  const DecodedImage decoded = decode_image(bytes);
+  image.width_px = decoded.grey.cols;
+  image.height_px = decoded.grey.rows;
+  const cv::Mat used = combined_masks(decoded.used, mask, decoded.grey.size());
   metrics.stage(Stage::kDecode).record(watch.lap_s());
 
-  const Features features = extract_features(grey, {.max_features = max_features});
+  const Features features = extract_features(decoded.grey, {.max_features = max_features}, used);
   image.features = static_cast<int>(features.keypoints.size());
   metrics.stage(Stage::kSift).record(watch.lap_s());
 

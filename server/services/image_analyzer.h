@@ -6,6 +6,8 @@
 #include <span>
 #include <string>
 
+#include <opencv2/core/mat.hpp>
+
 #include "core/types.h"
 #include "core/vocabulary/vocabulary.h"
 #include "server/metrics/metrics.h"
@@ -21,8 +23,9 @@ struct AnalyzedImage {
   double took_s = 0;
 };
 
-// Pure but for the stopwatch; any thread. Throws ImageError for bytes that are no usable image.
+// `mask`: of the map (core/feature/mask.h), of any size; empty: it has none. Pure but for the stopwatch; any thread.
+// Throws ImageError for bytes that are no usable image.
 AnalyzedImage analyze(std::span<const std::uint8_t> bytes, const Vocabulary& vocabulary, int max_features,
-                      Metrics& metrics);
+                      const cv::Mat& mask, Metrics& metrics);
 
 }  // namespace mapweld::server

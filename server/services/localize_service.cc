@@ -10,6 +10,7 @@
 #include "server/maps/map_settings.h"
 #include "server/services/image_analyzer.h"
 #include "server/services/map_lookup.h"
+#include "server/services/mask_service.h"
 #include "server/services/timed_verifier.h"
 
 namespace mapweld::server {
@@ -30,13 +31,20 @@ contract::Funnel describe(const Localization::Funnel& funnel) {
 
 contract::Localization LocalizeService::localize(const std::string& map_name, const LocalizeQuery& query) {
   if (query.image.empty()) throw ContractError("empty_body", "The image has no bytes.");
-  MapRow map = require_map(store_.read(), map_name);
+  MapRow map;
+  cv::Mat mask;
+  {
+    const ReadTransaction db = store_.read();
+    map = require_map(db, map_name);
+    mask = load_mask(db, map.id);
+  }
   const MapParameters parameters = settings_of(map).parameters;
   const std::shared_ptr<const Vocabulary> vocabulary = vocabularies_.load(map.vocabulary);
   AnalyzedImage image;
   {
     WorkerPool::Lane lane(workers_);
-    image = lane.submit([&] { return analyze(query.image, *vocabulary, parameters.max_features, metrics_); }).get();
+    image =
+        lane.submit([&] { return analyze(query.image, *vocabulary, parameters.max_features, mask, metrics_); }).get();
   }
 
   const Stopwatch watch;

@@ -29,7 +29,7 @@ class LocalizeService {
                   Metrics& metrics)
       : store_(store), opener_(opener), vocabularies_(vocabularies), workers_(workers), metrics_(metrics) {}
 
-  // In a plain or merged map; in the latter also while its merge runs.
+  // In a plain or merged map; in the latter also while its merge runs. A plain map's mask is laid over the query.
   // Throws ContractError no_such_map, empty_body; ImageError; StoreError.
   contract::Localization localize(const std::string& map, const LocalizeQuery& query);
 

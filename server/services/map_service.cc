@@ -5,6 +5,7 @@
 
 #include "client/contract/problem.h"
 #include "schema/edge_store.h"
+#include "schema/mask_store.h"
 #include "schema/merge_store.h"
 #include "schema/vertex_store.h"
 #include "server/maps/map_settings.h"
@@ -130,6 +131,13 @@ contract::Map MapService::describe(const Reader& db, const MapRow& map) const {
   out.uuid = map.uuid;
   out.parameters = mapweld::server::describe(settings_of(map));
   out.labels = labels_of(map);
+  if (const std::optional<MaskRow> mask = find_mask(db, map.id)) {
+    const double pixels = static_cast<double>(mask->width_px) * mask->height_px;
+    out.mask = {.width_px = mask->width_px,
+                .height_px = mask->height_px,
+                .used_share = static_cast<double>(mask->used_pixels) / pixels,
+                .sha256 = to_hex(mask->sha256)};
+  }
   if (map.kind == MapKind::kMerged) {
     for (const MemberRow& member : list_members(db, map.id)) out.members.push_back({member.name, member.watermark});
     if (const std::optional<MergeRow> merge = find_merge_of(db, map.id)) out.merge = to_index(merge->id);

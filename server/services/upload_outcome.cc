@@ -25,19 +25,23 @@ contract::Upload inserted(VertexId vertex, const std::string& name, int features
   return upload;
 }
 
-contract::Upload ignored(VertexId similar_to, int inliers, const std::string& name, int features) {
+contract::Upload ignored(VertexId similar_to, int inliers, IgnoredReason reason, const std::string& name,
+                         int features) {
   contract::Upload upload;
   upload.outcome = "ignored";
   upload.name = name;
   upload.features = features;
-  upload.reason = "too_similar";
+  upload.reason = std::string(to_string(reason));
   upload.similar_to = to_index(similar_to);
   upload.inliers = inliers;
   return upload;
 }
 
 UploadOutcome first_outcome(const Reader& db, const ImageRow& image) {
-  if (!image.vertex) return {ignored(image.similar_to.value_or(VertexId{}), image.inliers, image.name, image.features)};
+  if (!image.vertex) {
+    return {ignored(image.similar_to.value_or(VertexId{}), image.inliers, image.ignored_reason, image.name,
+                    image.features)};
+  }
   UploadOutcome outcome{inserted(*image.vertex, image.name, image.features, image.reason)};
   for (const EdgeRow& edge : list_own_edges_at(db, image.map, *image.vertex)) {
     if (edge.v != *image.vertex) continue;  // made by a later image

@@ -30,7 +30,7 @@ using BatchOutcome = std::variant<UploadOutcome, std::exception_ptr>;
 
 // The documents of the contract; `inserted` has no edges yet.
 contract::Upload inserted(VertexId vertex, const std::string& name, int features, Reason reason);
-contract::Upload ignored(VertexId similar_to, int inliers, const std::string& name, int features);
+contract::Upload ignored(VertexId similar_to, int inliers, IgnoredReason reason, const std::string& name, int features);
 
 // What the first upload of a stored image was answered, but for the time it took.
 UploadOutcome first_outcome(const Reader& db, const ImageRow& image);

@@ -12,6 +12,7 @@
 #include "server/maps/stored_map.h"
 #include "server/services/hashing.h"
 #include "server/services/map_lookup.h"
+#include "server/services/mask_service.h"
 #include "server/services/timed_verifier.h"
 #include "server/services/times.h"
 
@@ -45,6 +46,7 @@ UploadSession::UploadSession(UploadContext& context, const std::string& map_name
     throw ContractError("wrong_map", "The map \"" + map_name + "\" has another uuid: it is not the one you mean.");
   }
   settings_ = settings_of(map_);
+  mask_ = load_mask(db, map_.id);
   vocabulary_ = context.vocabularies.load(map_.vocabulary);
   verifier_ = make_verifier({.min_inliers = settings_.parameters.min_inliers});
   try {
@@ -89,10 +91,14 @@ UploadSession::Prepared UploadSession::prepare(const ImageUpload& upload) const 
   if (!upload.name.empty()) prepared.repeated = find_repeated(context_.store.read(), upload.name, prepared.hash);
   if (prepared.repeated) {
     prepared.repeated->upload.took_ms = shown_ms(watch.elapsed_s());
-  } else {
-    prepared.image = analyze(upload.bytes, *vocabulary_, settings_.parameters.max_features, context_.metrics);
+  } else if (!find_image(context_.store.read(), map_.id, prepared.hash)) {
+    prepared.image = analyzed(upload);
   }
   return prepared;
+}
+
+AnalyzedImage UploadSession::analyzed(const ImageUpload& upload) const {
+  return analyze(upload.bytes, *vocabulary_, settings_.parameters.max_features, mask_, context_.metrics);
 }
 
 std::optional<UploadSession::Pending> UploadSession::receive(const ImageUpload& upload, std::future<Prepared>& future,
@@ -146,9 +152,11 @@ void UploadSession::decide_all(std::vector<Pending>& group) {
   std::uint32_t vertices = present->vertices;
   std::uint64_t ignored = present->ignored;
   NamesOfGroup names;
+  ContentsOfGroup contents;
   for (Pending& pending : group) {
     if (settle_by_name(db, pending, names)) continue;
-    decide_one(pending, vertices);
+    if (!decide_by_content(db, pending, contents)) decide_one(pending, vertices);
+    contents.emplace(pending.prepared.hash, &pending);
     const bool inserts = pending.decision.outcome == MappingDecision::Outcome::kInserted;
     pending.name = pending.upload->name;
     if (pending.name.empty()) {
@@ -191,7 +199,33 @@ std::string UploadSession::free_name(const Reader& db, const NamesOfGroup& names
   return name;
 }
 
+// A file that the map has under another name shows nothing new, and is not looked at.
+bool UploadSession::decide_by_content(const Reader& db, Pending& pending, const ContentsOfGroup& contents) const {
+  AnalyzedImage& image = pending.prepared.image;
+  MappingDecision& decision = pending.decision;
+  if (const auto stored = find_image(db, map_.id, pending.prepared.hash)) {
+    image.media_type = stored->media_type;
+    image.width_px = stored->width_px;
+    image.height_px = stored->height_px;
+    image.features = stored->features;
+    decision.similar_to = stored->vertex ? *stored->vertex : stored->similar_to.value_or(VertexId{});
+    decision.inliers = stored->vertex ? stored->features : stored->inliers;
+  } else if (const auto earlier = contents.find(pending.prepared.hash); earlier != contents.end()) {
+    const Pending& first = *earlier->second;
+    const bool is_vertex = first.decision.outcome == MappingDecision::Outcome::kInserted;
+    decision.similar_to = is_vertex ? first.vertex : first.decision.similar_to;
+    decision.inliers = is_vertex ? first.prepared.image.features : first.decision.inliers;
+  } else {
+    return false;
+  }
+  decision.outcome = MappingDecision::Outcome::kIgnored;
+  pending.ignored_reason = IgnoredReason::kIdentical;
+  return true;
+}
+
 void UploadSession::decide_one(Pending& pending, std::uint32_t vertices) {
+  // The image with the same bytes was deleted while this one waited.
+  if (!pending.prepared.image.vector) pending.prepared.image = analyzed(*pending.upload);
   const Stopwatch watch;
   std::shared_ptr<const LeafSource> leaf = loaded_;
   if (!leaf) leaf = std::make_shared<StoredMap>(context_.store, map_.id, map_.vocabulary);
@@ -255,11 +289,13 @@ void UploadSession::write_one(WriteTransaction& db, Pending& pending, VerifierId
   row.provenance = pending.upload->provenance;
   row.reason = decision.reason;
   row.uploaded_at = now();
-  if (settings_.store_images) row.bytes = pending.upload->bytes;
+  const bool has_twin = pending.ignored_reason == IgnoredReason::kIdentical;
+  if (settings_.store_images && !has_twin) row.bytes = pending.upload->bytes;
 
   if (decision.outcome == MappingDecision::Outcome::kIgnored) {
-    insert_ignored(db, map_.id, row, decision.similar_to, decision.inliers);
-    *pending.outcome = UploadOutcome{ignored(decision.similar_to, decision.inliers, row.name, row.features)};
+    insert_ignored(db, map_.id, row, decision.similar_to, decision.inliers, pending.ignored_reason);
+    *pending.outcome =
+        UploadOutcome{ignored(decision.similar_to, decision.inliers, pending.ignored_reason, row.name, row.features)};
     return;
   }
   UploadOutcome outcome{inserted(pending.vertex, row.name, row.features, decision.reason), true};

@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include <opencv2/core/mat.hpp>
+
 #include "core/geometry/pair_verifier.h"
 #include "core/mapping/mapper.h"
 #include "core/vocabulary/vocabulary.h"
@@ -57,7 +59,7 @@ class UploadSession {
   struct Prepared {
     Sha256 hash{};
     std::optional<UploadOutcome> repeated;  // the image is stored already
-    AnalyzedImage image;                    // otherwise
+    AnalyzedImage image;  // otherwise; without a vector when the map has these bytes under another name
   };
 
   struct Pending {
@@ -67,15 +69,18 @@ class UploadSession {
     // Set by decide_all().
     std::string name;
     MappingDecision decision;
+    IgnoredReason ignored_reason = IgnoredReason::kTooSimilar;
     VertexId vertex{};
     double decided_in_s = 0;
     const Pending* same_as = nullptr;  // an earlier image of the group with this name and these bytes
     bool settled = false;              // the outcome is known without storing anything
   };
   using NamesOfGroup = std::map<std::string, const Pending*>;
+  using ContentsOfGroup = std::map<Sha256, const Pending*>;  // the first image of the group with these bytes
 
   int max_group() const;
   Prepared prepare(const ImageUpload& upload) const;  // on a worker
+  AnalyzedImage analyzed(const ImageUpload& upload) const;
   std::optional<Pending> receive(const ImageUpload& upload, std::future<Prepared>& future, BatchOutcome& outcome) const;
   std::optional<UploadOutcome> find_repeated(const Reader& db, const std::string& name, const Sha256& hash) const;
 
@@ -85,6 +90,7 @@ class UploadSession {
   void decide_all(std::vector<Pending>& group);
   bool settle_by_name(const Reader& db, Pending& pending, const NamesOfGroup& names) const;
   std::string free_name(const Reader& db, const NamesOfGroup& names, const std::string& wanted) const;
+  bool decide_by_content(const Reader& db, Pending& pending, const ContentsOfGroup& contents) const;
   void decide_one(Pending& pending, std::uint32_t vertices);
   void write_all(std::vector<Pending>& group);
   static void finish_repeats(std::vector<Pending>& group);
@@ -95,6 +101,7 @@ class UploadSession {
   UploadContext& context_;
   MapRow map_;
   MapSettings settings_;
+  cv::Mat mask_;  // empty: none
   std::shared_ptr<const Vocabulary> vocabulary_;
   std::shared_ptr<const PairVerifier> verifier_;
   std::shared_ptr<LoadedMap> loaded_;  // null: too large for memory

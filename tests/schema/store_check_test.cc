@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <openssl/sha.h>
 
+#include "schema/mask_store.h"
 #include "schema/merge_store.h"
 #include "schema/segment_store.h"
 #include "tests/support/temp_store.h"
@@ -35,6 +36,10 @@ class StoreCheckTest : public testing::Test {
     }
     WriteTransaction db = store_.write();
     insert_ignored(db, a_, test::new_image("ignored", {}), VertexId{3}, 200);
+    const std::vector<std::uint8_t> mask_bytes(50, 3);
+    MaskRow mask{.width_px = 8, .height_px = 6, .used_pixels = 40, .set_at = test::at(0)};
+    SHA256(mask_bytes.data(), mask_bytes.size(), mask.sha256.data());
+    set_mask(db, a_, mask, mask_bytes);
     const MapId merged = insert_merged_map(db, test::new_map("ab", vocabulary_), std::vector{a_, b_});
     const JobId job = insert_merge(db, {merged, "quickconnect", 7, "{}", "{}", test::at(0)});
     const std::uint64_t epoch = claim_merge(db, job, test::at(1)).value();
@@ -97,6 +102,8 @@ TEST_F(StoreCheckTest, EveryKindOfDamageIsFoundWhereItIs) {
       {"DELETE FROM images WHERE vertex = 7 AND map = 2", "maps: b"},
       {"UPDATE images SET similar_to = 99 WHERE vertex IS NULL", "images: map 1, ignored"},
       {"UPDATE image_bytes SET bytes = CAST(bytes || x'00' AS BLOB) WHERE image = 5", "image_bytes: map 1, 4"},
+      {"UPDATE map_masks SET bytes = CAST(bytes || x'00' AS BLOB)", "map_masks: a"},
+      {"UPDATE map_masks SET map = 3", "map_masks: ab"},
       {"DELETE FROM appearances WHERE map = 1 AND vertex = 18", "appearances: map 1, vertex 18"},
       {"UPDATE appearances SET bytes = CAST(bytes || x'00' AS BLOB) WHERE map = 2 AND vertex = 3",
        "appearances: map 2, vertex 3"},

@@ -101,6 +101,38 @@ TEST_F(VertexStoreTest, IgnoredImagesKeepTheirNameAndWhy) {
   EXPECT_EQ(map->revision, 6U);
 }
 
+TEST_F(VertexStoreTest, AnImageIsFoundByItsBytes) {
+  const AppearanceVector appearances = test::random_appearances(random_, 10, 1'000);
+  const MapId other = test::add_map(store_, "b", vocabulary_);
+  const auto with = [&](const std::string& name, std::uint8_t content) {
+    NewImage image = test::new_image(name, appearances);
+    image.sha256.fill(content);
+    return image;
+  };
+  WriteTransaction db = store_.write();
+  insert_vertex(db, map_, vocabulary_, with("0", 1), appearances, {}, test::test_verifier(db));
+  insert_ignored(db, map_, with("1", 2), VertexId{0}, 201);
+  insert_ignored(db, map_, with("2", 2), VertexId{0}, 201, IgnoredReason::kIdentical);
+  insert_ignored(db, map_, with("3", 3), VertexId{0}, 10, IgnoredReason::kIdentical);
+  insert_vertex(db, map_, vocabulary_, with("4", 3), appearances, {}, test::test_verifier(db));
+  const auto name_of = [&](MapId map, std::uint8_t content) {
+    Sha256 sha256;
+    sha256.fill(content);
+    const auto found = find_image(db, map, sha256);
+    return found ? found->name : "none";
+  };
+  EXPECT_EQ(name_of(map_, 1), "0");
+  EXPECT_EQ(name_of(map_, 2), "1") << "the first of them";
+  EXPECT_EQ(name_of(map_, 3), "4") << "a vertex before ignored ones";
+  EXPECT_EQ(name_of(map_, 4), "none");
+  EXPECT_EQ(name_of(other, 1), "none");
+  EXPECT_EQ(find_image(db, map_, "1")->ignored_reason, IgnoredReason::kTooSimilar);
+  EXPECT_EQ(find_image(db, map_, "2")->ignored_reason, IgnoredReason::kIdentical);
+  EXPECT_EQ(find_image(db, map_, "2")->reason, Reason::kNone);
+  db.connection().execute("UPDATE images SET deleted_at_us = 1 WHERE name = '0'");
+  EXPECT_EQ(name_of(map_, 1), "none");
+}
+
 TEST_F(VertexStoreTest, ANameIsUniqueAmongVerticesAndIgnoredImagesOfItsMap) {
   test::add_vertex(store_, map_, vocabulary_, "x", {320, 240, {}});
   {

@@ -127,6 +127,31 @@ TEST_F(Command, MapsAreMadeListedAndDeleted) {
   EXPECT_EQ(server.requests().back(), "DELETE /v1/maps/lab");
 }
 
+TEST_F(Command, MasksAreSetShownAndCleared) {
+  const std::string map =
+      R"({"name":"lab","mask":{"width_px":640,"height_px":480,"used_share":0.817,"sha256":"ab"},"extra":7})";
+  server.script("PUT /v1/maps/lab/mask", 204, std::string());
+  server.script("GET /v1/maps/lab", 200, map);
+  server.script("GET /v1/maps/lab/mask", 200, std::string("png bytes"));
+  server.script("DELETE /v1/maps/lab/mask", 204, std::string());
+  folder.write("mask.png", "\x89PNG mask");
+  const Ended set = ask("mask set lab " + in_folder("mask.png"));
+  EXPECT_EQ(set.code, 0);
+  EXPECT_EQ(set.out,
+            "Map lab has a mask of 640x480 pixels, which uses 82 % of an image.\n"
+            "It counts for what is uploaded or localized from now on.\n");
+  EXPECT_EQ(server.requests().front(), "PUT /v1/maps/lab/mask");
+  EXPECT_EQ(server.bodies().front(), "\x89PNG mask");
+  EXPECT_EQ(ask("mask show lab --json").out, map + "\n");
+  EXPECT_EQ(ask("mask show lab --out " + in_folder("copy.png")).code, 0);
+  EXPECT_EQ(client::read_file(folder.path() / "copy.png"), "png bytes");
+  EXPECT_EQ(ask("mask clear lab").out, "Map lab has no mask any more.\n");
+  EXPECT_EQ(server.requests().back(), "DELETE /v1/maps/lab/mask");
+  server.script("GET /v1/maps/lab", 200, std::string(R"({"name":"lab"})"));
+  EXPECT_EQ(ask("mask show lab").out, "Map lab has no mask: every pixel of its images is used.\n");
+  EXPECT_EQ(ask("mask set lab " + in_folder("nothing.png")).code, 2);
+}
+
 TEST_F(Command, UploadSaysWhatBecameOfTheFolder) {
   std::filesystem::create_directory(folder.path() / "images");
   for (const char* name : {"images/a.jpg", "images/b.jpg"}) folder.write(name, std::string("image ") + name);

@@ -23,6 +23,9 @@ std::string code_of(const Bytes& bytes) {
   return "decoded";
 }
 
+// The pixels as the file has them.
+cv::Mat stored_grey(const Bytes& bytes) { return decode_image(bytes, {.stretch = false}).grey; }
+
 double largest_difference(const cv::Mat& a, const cv::Mat& b) {
   EXPECT_EQ(a.size(), b.size());
   return a.size() == b.size() ? cv::norm(a, b, cv::NORM_INF) : 1e9;
@@ -38,27 +41,27 @@ TEST(Decode, JpegAsOpenCvDecodesIt) {
   const cv::Mat image = test::textured_image(123, 77);
   for (const int progressive : {0, 1}) {
     const Bytes bytes = test::encode(".jpg", image, {cv::IMWRITE_JPEG_PROGRESSIVE, progressive});
-    EXPECT_EQ(largest_difference(decode_grey(bytes), cv::imdecode(bytes, cv::IMREAD_GRAYSCALE)), 0);
+    EXPECT_EQ(largest_difference(stored_grey(bytes), cv::imdecode(bytes, cv::IMREAD_GRAYSCALE)), 0);
   }
 }
 
 TEST(Decode, PngLosesNothing) {
   const cv::Mat image = test::textured_image(123, 77);
-  EXPECT_EQ(largest_difference(decode_grey(test::encode(".png", image)), grey_of(image)), 0);
-  EXPECT_EQ(largest_difference(decode_grey(test::encode(".png", grey_of(image))), grey_of(image)), 0);
+  EXPECT_EQ(largest_difference(stored_grey(test::encode(".png", image)), grey_of(image)), 0);
+  EXPECT_EQ(largest_difference(stored_grey(test::encode(".png", grey_of(image))), grey_of(image)), 0);
 }
 
 TEST(Decode, TakesOneBitPng) {
   const cv::Mat black_and_white = grey_of(test::textured_image(40, 30)) > 128;
   const Bytes bytes = test::encode(".png", black_and_white, {cv::IMWRITE_PNG_BILEVEL, 1});
-  EXPECT_EQ(largest_difference(decode_grey(bytes), black_and_white), 0);
+  EXPECT_EQ(largest_difference(stored_grey(bytes), black_and_white), 0);
 }
 
 TEST(Decode, SixteenBitsAreScaledToEight) {
   const cv::Mat image = grey_of(test::textured_image(60, 40));
   cv::Mat wide;
   image.convertTo(wide, CV_16U, 257);
-  EXPECT_EQ(largest_difference(decode_grey(test::encode(".png", wide)), image), 0);
+  EXPECT_EQ(largest_difference(stored_grey(test::encode(".png", wide)), image), 0);
 }
 
 TEST(Decode, TransparencyIsIgnored) {
@@ -66,19 +69,19 @@ TEST(Decode, TransparencyIsIgnored) {
   cv::Mat with_alpha;
   cv::cvtColor(image, with_alpha, cv::COLOR_BGR2BGRA);
   for (int y = 0; y < with_alpha.rows; ++y) with_alpha.at<cv::Vec4b>(y, y)[3] = 0;
-  EXPECT_EQ(largest_difference(decode_grey(test::encode(".png", with_alpha)), grey_of(image)), 0);
+  EXPECT_EQ(largest_difference(stored_grey(test::encode(".png", with_alpha)), grey_of(image)), 0);
 }
 
 TEST(Decode, TakesCmykJpeg) {
   const cv::Mat image = test::textured_image(120, 80);
-  const cv::Mat grey = decode_grey(test::encode_cmyk_jpeg(image));
+  const cv::Mat grey = stored_grey(test::encode_jpeg(image, {.colours = test::JpegColours::kCmyk}));
   EXPECT_LE(largest_difference(grey, grey_of(image)), 6);
 }
 
 TEST(Decode, TakesOnePixel) {
   const cv::Mat pixel(1, 1, CV_8UC1, cv::Scalar(77));
-  EXPECT_EQ(largest_difference(decode_grey(test::encode(".png", pixel)), pixel), 0);
-  EXPECT_LE(largest_difference(decode_grey(test::encode(".jpg", pixel)), pixel), 2);
+  EXPECT_EQ(largest_difference(stored_grey(test::encode(".png", pixel)), pixel), 0);
+  EXPECT_LE(largest_difference(stored_grey(test::encode(".jpg", pixel)), pixel), 2);
 }
 
 TEST(Decode, OfAnAnimationTheFirstFrame) {
@@ -90,7 +93,7 @@ TEST(Decode, OfAnAnimationTheFirstFrame) {
   const Bytes frame{0, 0, 0, 1, 1, 2, 3, 4};
   const Bytes chunk = test::png_chunk("fdAT", frame);
   bytes.insert(bytes.end() - 12, chunk.begin(), chunk.end());
-  EXPECT_EQ(largest_difference(decode_grey(bytes), image), 0);
+  EXPECT_EQ(largest_difference(stored_grey(bytes), image), 0);
 }
 
 // The EXIF standard: the visual sides on which row 0 and column 0 of the stored image lie.
@@ -125,14 +128,14 @@ TEST(Decode, OrientationIsAppliedOnce) {
   const cv::Mat image = grey_of(test::textured_image(24, 16));
   const Bytes png = test::encode(".png", image);
   const Bytes jpeg = test::encode(".jpg", image);
-  const cv::Mat jpeg_pixels = decode_grey(jpeg);
+  const cv::Mat jpeg_pixels = stored_grey(jpeg);
   for (int orientation = 1; orientation <= 8; ++orientation) {
     for (const bool big_endian : {false, true}) {
       const Bytes exif = test::exif_block(orientation, big_endian);
-      EXPECT_EQ(largest_difference(decode_grey(test::with_png_exif(png, exif)), as_seen(image, orientation)), 0);
+      EXPECT_EQ(largest_difference(stored_grey(test::with_png_exif(png, exif)), as_seen(image, orientation)), 0);
       const Bytes turned = test::with_jpeg_exif(jpeg, exif);
-      EXPECT_EQ(largest_difference(decode_grey(turned), as_seen(jpeg_pixels, orientation)), 0) << orientation;
-      EXPECT_EQ(largest_difference(decode_grey(turned), cv::imdecode(turned, cv::IMREAD_GRAYSCALE)), 0) << orientation;
+      EXPECT_EQ(largest_difference(stored_grey(turned), as_seen(jpeg_pixels, orientation)), 0) << orientation;
+      EXPECT_EQ(largest_difference(stored_grey(turned), cv::imdecode(turned, cv::IMREAD_GRAYSCALE)), 0) << orientation;
       EXPECT_EQ(read_image_header(turned).width_px, 24) << "a header tells the size as stored";
     }
   }
@@ -143,10 +146,10 @@ TEST(Decode, BrokenExifSpoilsNothing) {
   const Bytes whole = test::exif_block(6, false);
   for (std::size_t size = 0; size < whole.size() - 6; ++size) {
     const Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
-    EXPECT_EQ(decode_grey(test::with_jpeg_exif(jpeg, cut)).cols, 24) << size;
+    EXPECT_EQ(stored_grey(test::with_jpeg_exif(jpeg, cut)).cols, 24) << size;
   }
   for (const int orientation : {0, 9, 255}) {
-    EXPECT_EQ(decode_grey(test::with_jpeg_exif(jpeg, test::exif_block(orientation, true))).cols, 24);
+    EXPECT_EQ(stored_grey(test::with_jpeg_exif(jpeg, test::exif_block(orientation, true))).cols, 24);
   }
 }
 
@@ -210,9 +213,9 @@ TEST(Decode, BytesBehindTheImageAreIgnored) {
   const cv::Mat image = test::textured_image(96, 64);
   for (const char* ending : {".jpg", ".png"}) {
     Bytes file = test::encode(ending, image);
-    const cv::Mat grey = decode_grey(file);
+    const cv::Mat grey = stored_grey(file);
     file.insert(file.end(), 1000, 0xAB);
-    EXPECT_EQ(largest_difference(decode_grey(file), grey), 0) << ending;
+    EXPECT_EQ(largest_difference(stored_grey(file), grey), 0) << ending;
   }
 }
 

@@ -65,7 +65,9 @@ Bytes encode(std::string_view ending, const cv::Mat& image, const std::vector<in
   return bytes;
 }
 
-Bytes encode_cmyk_jpeg(const cv::Mat& bgr) {
+Bytes encode_jpeg(const cv::Mat& bgr, const JpegLayout& layout) {
+  const bool inks = layout.colours == JpegColours::kCmyk || layout.colours == JpegColours::kYcck;
+  const std::size_t channels = inks ? 4 : 3;
   jpeg_compress_struct codec{};
   jpeg_error_mgr errors{};
   codec.err = jpeg_std_error(&errors);
@@ -75,20 +77,41 @@ Bytes encode_cmyk_jpeg(const cv::Mat& bgr) {
   jpeg_mem_dest(&codec, &file, &file_bytes);
   codec.image_width = static_cast<JDIMENSION>(bgr.cols);
   codec.image_height = static_cast<JDIMENSION>(bgr.rows);
-  codec.input_components = 4;
-  codec.in_color_space = JCS_CMYK;
-  jpeg_set_defaults(&codec);  // writes Adobe's marker for CMYK
+  codec.input_components = static_cast<int>(channels);
+  codec.in_color_space = inks ? JCS_CMYK : JCS_RGB;
+  jpeg_set_defaults(&codec);
+  switch (layout.colours) {
+    case JpegColours::kYcc:
+      jpeg_set_colorspace(&codec, JCS_YCbCr);
+      break;
+    case JpegColours::kRgb:
+      jpeg_set_colorspace(&codec, JCS_RGB);
+      break;
+    case JpegColours::kCmyk:
+      jpeg_set_colorspace(&codec, JCS_CMYK);
+      break;
+    case JpegColours::kYcck:
+      jpeg_set_colorspace(&codec, JCS_YCCK);
+      break;
+  }
   jpeg_set_quality(&codec, 100, TRUE);
+  for (int i = 0; i < codec.num_components; ++i) {
+    codec.comp_info[i].h_samp_factor = 1;
+    codec.comp_info[i].v_samp_factor = 1;
+  }
+  codec.arith_code = layout.arithmetic ? TRUE : FALSE;
+  codec.restart_in_rows = static_cast<int>(layout.restart_rows);
+  if (layout.progressive) jpeg_simple_progression(&codec);
   jpeg_start_compress(&codec, TRUE);
-  Bytes row(static_cast<std::size_t>(bgr.cols) * 4);
+  Bytes row(static_cast<std::size_t>(bgr.cols) * channels);
   for (int y = 0; y < bgr.rows; ++y) {
     for (int x = 0; x < bgr.cols; ++x) {
       const auto& pixel = bgr.at<cv::Vec3b>(y, x);
-      const auto at = static_cast<std::size_t>(x) * 4;
+      const auto at = static_cast<std::size_t>(x) * channels;
       row[at] = pixel[2];
       row[at + 1] = pixel[1];
       row[at + 2] = pixel[0];
-      row[at + 3] = 255;
+      if (inks) row[at + 3] = 255;
     }
     JSAMPROW rows[] = {row.data()};
     jpeg_write_scanlines(&codec, rows, 1);

@@ -17,8 +17,17 @@ cv::Mat textured_image(int width_px, int height_px, std::uint64_t seed = 1);
 
 Bytes encode(std::string_view ending, const cv::Mat& image, const std::vector<int>& parameters = {});
 
-// A JPEG of four inks as Adobe's programs write it: inverted, with their marker.
-Bytes encode_cmyk_jpeg(const cv::Mat& bgr);
+enum class JpegColours : std::uint8_t { kYcc, kRgb, kCmyk, kYcck };
+
+struct JpegLayout {
+  JpegColours colours = JpegColours::kYcc;  // four inks as Adobe's programs write them: inverted, with their marker
+  bool progressive = false;
+  bool arithmetic = false;    // arithmetic coding in place of Huffman's
+  unsigned restart_rows = 0;  // a restart marker every so many rows of blocks
+};
+
+// Of the best quality, colours not subsampled.
+Bytes encode_jpeg(const cv::Mat& bgr, const JpegLayout& layout);
 
 // An EXIF block (TIFF) that holds an orientation.
 Bytes exif_block(int orientation, bool big_endian);

@@ -1,6 +1,7 @@
 // Thousands of image files with bytes changed, cut out and put in: whatever arrives, it becomes pixels or an
 // ImageError.
 #include <algorithm>
+#include <array>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -11,6 +12,7 @@
 #include "core/feature/decode.h"
 #include "core/vocabulary/random.h"
 #include "tests/core/feature/image_files.h"
+#include "tests/core/feature/png_files.h"
 
 namespace mapweld {
 namespace {
@@ -61,12 +63,21 @@ TEST(MutatedImages, BecomePixelsOrAnError) {
   cv::Mat black_and_white;
   cv::extractChannel(image > 128, black_and_white, 0);
   const Bytes exif = test::exif_block(6, false);
+  const test::PngLayout palette{.width_px = 48,
+                                .height_px = 40,
+                                .colour = test::PngColour::kPalette,
+                                .bits = 2,
+                                .interlaced = true,
+                                .palette = {{0, 0, 0}, {90, 0, 0}, {0, 90, 0}, {255, 255, 255}},
+                                .palette_alpha = {0, 255, 128}};
   const Bytes originals[] = {
       test::with_jpeg_exif(test::encode(".jpg", image), exif),
       test::encode(".jpg", image, {cv::IMWRITE_JPEG_PROGRESSIVE, 1, cv::IMWRITE_JPEG_RST_INTERVAL, 2}),
-      test::encode_cmyk_jpeg(image),
+      test::encode_jpeg(image, {.colours = test::JpegColours::kCmyk}),
       test::with_png_exif(test::encode(".png", image), exif),
       test::encode(".png", black_and_white, {cv::IMWRITE_PNG_BILEVEL, 1}),
+      test::encode_png(
+          palette, [](int x, int y) { return std::array<std::uint16_t, 4>{static_cast<std::uint16_t>((x + y) % 4)}; }),
   };
   DecodeOptions options;
   options.max_pixels = 1'000'000;  // so that a header's lie costs no time
@@ -77,9 +88,10 @@ TEST(MutatedImages, BecomePixelsOrAnError) {
     Bytes file = originals[random.below(std::size(originals))];
     mutate(file, random);
     try {
-      const cv::Mat grey = decode_grey(file, options);
-      EXPECT_EQ(grey.type(), CV_8UC1);
-      EXPECT_FALSE(grey.empty());
+      const DecodedImage decoded_image = decode_image(file, options);
+      EXPECT_EQ(decoded_image.grey.type(), CV_8UC1);
+      EXPECT_FALSE(decoded_image.grey.empty());
+      EXPECT_TRUE(decoded_image.used.empty() || decoded_image.used.size() == decoded_image.grey.size());
       ++decoded;
     } catch (const ImageError& error) {
       EXPECT_TRUE(error.code() == "undecodable_image" || error.code() == "unsupported_image" ||

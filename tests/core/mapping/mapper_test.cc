@@ -96,5 +96,26 @@ TEST(Mapper, TwoViewsOfAPlaceGetAnEdgeAndAThirdIsOneTooMany) {
   }
 }
 
+// 70 features never have more than max_inliers matches; a camera at rest is told by what they could have.
+TEST(Mapper, ADimViewThatNothingMovesInIsIgnored) {
+  const EpipolarVerifier verifier;
+  SceneMap map;
+  const auto scene = test::make_scene({.seed = 7, .points = 60, .outliers = 10, .clutter = 0});
+  const VertexId other = map.add(scene.b);
+  const VertexId seen = map.add(scene.a, {other});
+  const MappingDecision d = decide(scene.a, map, verifier, {});
+  EXPECT_EQ(d.outcome, Outcome::kIgnored);
+  EXPECT_EQ(d.similar_to, seen);
+  EXPECT_GT(d.inliers, 30);
+  EXPECT_LE(d.inliers, MapParameters{}.max_inliers);
+  EXPECT_TRUE(d.edges.empty());
+
+  MapParameters keep_all;
+  keep_all.max_inliers = kUnlimitedInliers;
+  const MappingDecision kept = decide(scene.a, map, verifier, keep_all);
+  EXPECT_EQ(kept.outcome, Outcome::kInserted);
+  EXPECT_EQ(kept.edges.size(), 2u);
+}
+
 }  // namespace
 }  // namespace mapweld

@@ -311,6 +311,36 @@ TEST(Api, AFractionOfTheMaximumIsABudget) {
   EXPECT_EQ(api.finished_merge(1)["state"], "completed") << "fewer candidates than are verified before the first test";
 }
 
+TEST(Api, AMapsMask) {
+  ApiUnderTest api;
+  api.services().create_map("a");
+  api.services().create_map("b");
+  const std::string mask = png(cv::Mat(6, 8, CV_8UC1, cv::Scalar(255)));
+  const Answer set = api.put("/v1/maps/a/mask", mask, "image/png");
+  EXPECT_EQ(set.status, 204);
+  EXPECT_EQ(set.body, "");
+  const Answer got = api.get("/v1/maps/a/mask");
+  EXPECT_EQ(got.status, 200);
+  EXPECT_EQ(got.header("Content-Type"), "image/png");
+  EXPECT_EQ(got.body, mask);
+  const contract::Json map = api.get("/v1/maps/a").json();
+  EXPECT_EQ(map["mask"]["width_px"], 8);
+  EXPECT_EQ(map["mask"]["used_share"], 1.0);
+  EXPECT_EQ("\"" + map["mask"]["sha256"].get<std::string>() + "\"", got.header("ETag"));
+  EXPECT_FALSE(api.get("/v1/maps/b").json().contains("mask"));
+
+  api.post("/v1/merges", R"({"maps":["a","b"],"name":"ab"})");
+  EXPECT_EQ(api.put("/v1/maps/ab/mask", mask, "image/png").code(), "map_is_merged");
+  EXPECT_EQ(api.del("/v1/maps/ab/mask").code(), "map_is_merged");
+  EXPECT_EQ(api.get("/v1/maps/ab/mask").code(), "no_such_mask");
+  EXPECT_EQ(api.put("/v1/maps/x/mask", mask, "image/png").code(), "no_such_map");
+  EXPECT_EQ(api.put("/v1/maps/b/mask", photo_jpeg(1, 0), "image/png").code(), "unsupported_image");
+
+  EXPECT_EQ(api.del("/v1/maps/a/mask").status, 204);
+  EXPECT_EQ(api.get("/v1/maps/a/mask").status, 404);
+  EXPECT_EQ(api.del("/v1/maps/a/mask").status, 204) << "as asked: there is none";
+}
+
 // Every path of the router is in docs/openapi.json and the other way round, with its method and query parameters.
 TEST(Api, OpenapiDescribesWhatThereIs) {
   ApiUnderTest api;
@@ -338,6 +368,7 @@ TEST(Api, OpenapiDescribesWhatThereIs) {
                                                      .metrics = metrics,
                                                      .vocabularies = api.services().vocabularies(),
                                                      .maps = api.services().maps(),
+                                                     .masks = api.services().masks(),
                                                      .images = api.services().images(),
                                                      .localization = api.services().localization(),
                                                      .quality = api.services().quality(),

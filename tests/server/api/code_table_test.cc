@@ -87,6 +87,7 @@ TEST_F(CodeTable, IsReachedWholeAndNothingStoredChanges) {
          api_.del("/v1/maps/bare");
          return code;
        }},
+      {"no_such_mask", [&] { return api_.get("/v1/maps/a/mask").code(); }},
       {"no_such_vocabulary", [&] { return api_.get("/v1/vocabularies/x").code(); }},
       {"no_such_merge", [&] { return api_.get("/v1/merges/77").code(); }},
       {"no_route", [&] { return api_.get("/v1/maps/a/route?from=0&to=3").code(); }},
@@ -112,6 +113,8 @@ TEST_F(CodeTable, IsReachedWholeAndNothingStoredChanges) {
       {"unsupported_image", [&] { return api_.post_image(images, "GIF89a").code(); }},
       {"unsupported_media_type", [&] { return api_.post_image(images + "/batch", image).code(); }},
       {"undecodable_image", [&] { return api_.post_image(images, image.substr(0, image.size() / 2)).code(); }},
+      {"empty_mask",
+       [&] { return api_.put("/v1/maps/a/mask", png(cv::Mat::zeros(4, 4, CV_8UC1)), "image/png").code(); }},
       {"duplicate_member", [&] { return api_.post("/v1/merges", R"({"maps":["a","a"],"name":"x"})").code(); }},
       {"too_few_members", [&] { return api_.post("/v1/merges", R"({"maps":["a"],"name":"x"})").code(); }},
       {"unknown_method",

@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
 
 #include "client/contract/problem.h"
 #include "schema/edge_store.h"
@@ -121,6 +122,129 @@ TEST(ImageService, AnImageSeenBeforeIsIgnored) {
   EXPECT_EQ(services.maps().get("lab").ignored, 1);
   EXPECT_EQ(services.maps().get("lab").vertices, 1);
   EXPECT_EQ(services.maps().ignored("lab", {}).items.at(0).name, "b");
+}
+
+TEST(ImageService, TheSameBytesUnderOtherNamesAreIgnoredAtOnce) {
+  ServicesUnderTest services;
+  services.create_map("lab");
+  const std::string image = photo_jpeg(1, 0);
+  const UploadOutcome first = services.upload("lab", "0", image);
+  for (int i = 1; i < 10; ++i) {
+    const UploadOutcome again = services.upload("lab", std::to_string(i), image);
+    EXPECT_FALSE(again.created);
+    EXPECT_EQ(again.upload.outcome, "ignored");
+    EXPECT_EQ(again.upload.reason, "identical");
+    EXPECT_EQ(again.upload.similar_to, 0);
+    EXPECT_EQ(again.upload.inliers, first.upload.features);
+    EXPECT_EQ(again.upload.features, first.upload.features);
+  }
+  EXPECT_EQ(services.metrics().stage(server::Stage::kSift).summary().count, 1u) << "they are not looked at";
+  EXPECT_EQ(services.upload("lab", "4", image).upload.reason, "identical") << "the first outcome, again";
+  EXPECT_EQ(services.maps().get("lab").vertices, 1);
+  EXPECT_EQ(services.maps().get("lab").ignored, 9);
+  EXPECT_EQ(services.maps().ignored("lab", {}).items.at(8).reason, "identical");
+
+  services.upload("lab", "like", png(photo(1, 0)));  // ignored as too similar
+  const UploadOutcome twin = services.upload("lab", "twin of like", png(photo(1, 0)));
+  EXPECT_EQ(twin.upload.reason, "identical");
+  EXPECT_EQ(twin.upload.similar_to, 0);
+  EXPECT_GT(twin.upload.inliers, 150);
+  EXPECT_TRUE(check_store(services.store().read()).findings.empty());
+}
+
+TEST(ImageService, InABatchToo) {
+  const std::string wall = jpeg(blank());
+  const std::string image = photo_jpeg(1, 0);
+  const std::vector<ImageUpload> uploads = {upload_of("a", image), upload_of("b", image), upload_of("c", wall),
+                                            upload_of("d", image), upload_of("", image),  upload_of("e", wall),
+                                            upload_of("b", image), upload_of("f", wall)};
+  std::string content_of_singles;
+  {
+    ServicesUnderTest singles;
+    singles.create_map("lab");
+    for (const ImageUpload& upload : uploads) singles.images().upload("lab", upload, std::nullopt);
+    content_of_singles = content(singles.store(), "lab");
+  }
+  ServicesUnderTest services;
+  services.create_map("lab");
+  const auto outcomes = upload_held(services, "lab", uploads);
+  std::vector<std::string> reasons;
+  for (const BatchOutcome& outcome : outcomes) {
+    reasons.push_back(std::get<UploadOutcome>(outcome).upload.reason.value_or("none"));
+  }
+  EXPECT_THAT(reasons, testing::ElementsAre("no_candidate", "identical", "too_few_features", "identical", "identical",
+                                            "identical", "identical", "identical"));
+  EXPECT_EQ(content(services.store(), "lab"), content_of_singles);
+  EXPECT_EQ(std::get<UploadOutcome>(outcomes[7]).upload.similar_to, 1);
+}
+
+// The robot waits in the dark: every frame has noise of its own, and no two have as many features as max_inliers.
+cv::Mat dim_frame(int pixels_aside, std::uint64_t seed) {
+  const cv::Mat wall = photo(3, 0);
+  cv::Mat frame(wall.size(), wall.type(), cv::Scalar(40, 40, 40));
+  const cv::Rect lit(110 + pixels_aside, 60, 120, 90);  // a window in a dark wall
+  cv::Mat dimmed;
+  wall({60, 40, 120, 90}).convertTo(dimmed, CV_8UC3, 0.55, 30);
+  dimmed.copyTo(frame(lit));
+  cv::RNG random(seed);
+  cv::Mat noise(frame.size(), CV_16SC3);
+  random.fill(noise, cv::RNG::NORMAL, 0, 1.5);
+  cv::add(frame, noise, frame, cv::noArray(), CV_8U);
+  return frame;
+}
+
+TEST(ImageService, ARobotThatStandsStillMakesOneVertex) {
+  ServicesUnderTest services;
+  services.create_map("lab");
+  for (std::uint64_t i = 0; i < 20; ++i) {
+    const UploadOutcome outcome = services.upload("lab", std::to_string(i), jpeg(dim_frame(0, i + 1)));
+    EXPECT_LT(outcome.upload.features, 200);
+    if (i == 0) continue;
+    EXPECT_EQ(outcome.upload.outcome, "ignored") << i;
+    EXPECT_EQ(outcome.upload.reason, "too_similar");
+    EXPECT_LE(outcome.upload.inliers, 200);
+  }
+  EXPECT_EQ(services.maps().get("lab").vertices, 1);
+}
+
+TEST(ImageService, OneThatMovesSlowlyIsNotThinned) {
+  ServicesUnderTest services;
+  services.create_map("lab");
+  for (int i = 0; i < 10; ++i) {
+    const auto outcome =
+        services.upload("lab", std::to_string(i), jpeg(dim_frame(2 * i, 77 + static_cast<std::uint64_t>(i))));
+    EXPECT_EQ(outcome.upload.outcome, "inserted") << i;
+    EXPECT_EQ(outcome.upload.edges->empty(), i == 0);
+  }
+}
+
+TEST(ImageService, AllIsKeptWhereMaxInliersHasNoLimit) {
+  ServicesUnderTest services;
+  contract::CreateMap request;
+  request.name = "lab";
+  request.parameters.emplace();
+  request.parameters->max_inliers = 65535;
+  services.maps().create(request);
+  for (std::uint64_t i = 0; i < 4; ++i) {
+    EXPECT_TRUE(services.upload("lab", std::to_string(i), jpeg(dim_frame(0, i + 1))).created);
+  }
+}
+
+TEST(ImageService, TransparentPixelsBearNoFeatures) {
+  ServicesUnderTest services;
+  services.create_map("lab");
+  cv::Mat rgba(240, 320, CV_8UC4, cv::Scalar(0, 0, 0, 255));
+  const cv::Mat picture = photo(1, 0);
+  const int channels[] = {0, 0, 1, 1, 2, 2};
+  cv::mixChannels(&picture, 1, &rgba, 1, channels, 3);
+  rgba.colRange(160, 320).setTo(cv::Scalar(0, 0, 255, 0));
+  const UploadOutcome outcome = services.upload("lab", "a", png(rgba));
+  EXPECT_GT(outcome.upload.features, 50);
+  const ReadTransaction db = services.store().read();
+  const MapRow map = find_map(db, "lab").value();
+  for (const Appearance& a : load_appearances(db, map.id, map.vocabulary, VertexId{0}).appearances) {
+    EXPECT_LT(a.x_px, 160);
+  }
 }
 
 TEST(ImageService, ABlankWallIsAVertexWithoutEdges) {
@@ -255,7 +379,7 @@ TEST(ImageService, UnnamedImagesFindAFreeName) {
 TEST(ImageService, AFullDiskLeavesTheMapAsItWas) {
   ServicesUnderTest services;
   services.create_map("lab");
-  services.upload("lab", "a", photo_jpeg(1, 0));
+  services.upload("lab", "a", photo_jpeg(1, 9));
   const std::string stored = dump_store(services.store());
   const ReadTransaction db = services.store().read();
   services.store().limit_pages(1);  // no page more than there are
@@ -279,7 +403,7 @@ TEST(ImageService, AFullDiskLeavesTheMapAsItWas) {
   }
   ServicesUnderTest fresh;
   fresh.create_map("lab");
-  fresh.upload("lab", "a", photo_jpeg(1, 0));
+  fresh.upload("lab", "a", photo_jpeg(1, 9));
   fresh.images().upload_batch("lab", others, std::nullopt);
   EXPECT_EQ(content(services.store(), "lab"), content(fresh.store(), "lab"));
 }

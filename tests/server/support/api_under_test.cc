@@ -35,6 +35,7 @@ ApiUnderTest::ApiUnderTest(const server::HttpOptions& options, const ServicesOpt
                                                .metrics = metrics_,
                                                .vocabularies = services_.vocabularies(),
                                                .maps = services_.maps(),
+                                               .masks = services_.masks(),
                                                .images = services_.images(),
                                                .localization = services_.localization(),
                                                .quality = services_.quality(),
@@ -54,6 +55,10 @@ Answer ApiUnderTest::get(const std::string& path) const { return answer_of(conne
 
 Answer ApiUnderTest::post(const std::string& path, const std::string& body, const std::string& type) const {
   return answer_of(connect(port_).Post(path, body, type));
+}
+
+Answer ApiUnderTest::put(const std::string& path, const std::string& body, const std::string& type) const {
+  return answer_of(connect(port_).Put(path, body, type));
 }
 
 Answer ApiUnderTest::del(const std::string& path) const { return answer_of(connect(port_).Delete(path)); }

@@ -40,6 +40,7 @@ class ApiUnderTest {
   Answer get(const std::string& path) const;
   Answer post(const std::string& path, const std::string& body, const std::string& type = "application/json") const;
   Answer post_image(const std::string& path, const std::string& bytes) const { return post(path, bytes, "image/jpeg"); }
+  Answer put(const std::string& path, const std::string& body, const std::string& type) const;
   Answer del(const std::string& path) const;
   // One part an image, file name and bytes.
   Answer post_batch(const std::string& path, const std::vector<std::pair<std::string, std::string>>& images) const;

@@ -29,6 +29,7 @@ struct ServicesUnderTest::Running {
         jobs(store, job_options()),
         merges(store, jobs, opener),
         maps(store, opener, vocabularies, [this](std::int64_t merge) { merges.remove(merge); }),
+        masks(store),
         images(store, cache, vocabularies, workers, metrics, options.images),
         localization(store, opener, vocabularies, workers, metrics),
         quality(store) {
@@ -44,6 +45,7 @@ struct ServicesUnderTest::Running {
   MergeJobs jobs;
   MergeService merges;
   MapService maps;
+  MaskService masks;
   ImageService images;
   LocalizeService localization;
   QualityService quality;
@@ -61,6 +63,7 @@ void ServicesUnderTest::restart() {
 
 VocabularyService& ServicesUnderTest::vocabularies() { return running_->vocabularies; }
 MapService& ServicesUnderTest::maps() { return running_->maps; }
+MaskService& ServicesUnderTest::masks() { return running_->masks; }
 ImageService& ServicesUnderTest::images() { return running_->images; }
 LocalizeService& ServicesUnderTest::localization() { return running_->localization; }
 QualityService& ServicesUnderTest::quality() { return running_->quality; }

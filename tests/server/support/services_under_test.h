@@ -11,6 +11,7 @@
 #include "server/services/image_service.h"
 #include "server/services/localize_service.h"
 #include "server/services/map_service.h"
+#include "server/services/mask_service.h"
 #include "server/services/merge_service.h"
 #include "server/services/quality_service.h"
 #include "server/services/vocabulary_service.h"
@@ -37,6 +38,7 @@ class ServicesUnderTest {
   Store& store() { return store_; }
   server::VocabularyService& vocabularies();
   server::MapService& maps();
+  server::MaskService& masks();
   server::ImageService& images();
   server::LocalizeService& localization();
   server::QualityService& quality();

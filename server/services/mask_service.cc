@@ -1,0 +1,60 @@
+#include "server/services/mask_service.h"
+
+#include <opencv2/core.hpp>
+
+#include "client/contract/problem.h"
+#include "core/feature/mask.h"
+#include "schema/mask_store.h"
+#include "server/services/hashing.h"
+#include "server/services/map_lookup.h"
+#include "server/services/times.h"
+
+namespace mapweld::server {
+namespace {
+
+using contract::ContractError;
+
+MapRow require_plain_map(const Reader& db, const std::string& name) {
+  MapRow map = require_map(db, name);
+  if (map.kind == MapKind::kMerged) {
+    throw ContractError("map_is_merged", "\"" + name + "\" is a merged map; its members have their own masks.");
+  }
+  return map;
+}
+
+}  // namespace
+
+void MaskService::set(const std::string& map, std::span<const std::uint8_t> png) {
+  require_plain_map(store_.read(), map);
+  const cv::Mat mask = decode_mask(png);
+  MaskRow row;
+  row.sha256 = sha256(png);
+  row.width_px = mask.cols;
+  row.height_px = mask.rows;
+  row.used_pixels = cv::countNonZero(mask);
+  row.set_at = now();
+  WriteTransaction db = store_.write();
+  set_mask(db, require_plain_map(db, map).id, row, png);
+  db.commit();
+}
+
+StoredImage MaskService::get(const std::string& map) const {
+  const ReadTransaction db = store_.read();
+  const MapId id = require_map(db, map).id;
+  const auto row = find_mask(db, id);
+  const auto bytes = load_mask_bytes(db, id);
+  if (!row || !bytes) throw ContractError("no_such_mask", "The map \"" + map + "\" has no mask.");
+  return {"image/png", std::string(bytes->begin(), bytes->end()), to_hex(row->sha256)};
+}
+
+void MaskService::clear(const std::string& map) {
+  WriteTransaction db = store_.write();
+  if (clear_mask(db, require_plain_map(db, map).id)) db.commit();
+}
+
+cv::Mat load_mask(const Reader& db, MapId map) {
+  const auto bytes = load_mask_bytes(db, map);
+  return bytes ? decode_mask(*bytes) : cv::Mat();
+}
+
+}  // namespace mapweld::server

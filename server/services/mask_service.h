@@ -1,0 +1,35 @@
+// Masks of maps: which pixels of their images bear features.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include <opencv2/core/mat.hpp>
+
+#include "schema/store.h"
+#include "server/services/map_service.h"
+
+namespace mapweld::server {
+
+// Thread-safe. Throws ContractError no_such_map; StoreError.
+class MaskService {
+ public:
+  // `store` must outlive this.
+  explicit MaskService(Store& store) : store_(store) {}
+
+  // From now on the images that the map takes in and queries into it are masked; what it has stays. map_is_merged;
+  // ImageError unsupported_image, undecodable_image, image_too_large, empty_mask, empty_body. Then nothing changes.
+  void set(const std::string& map, std::span<const std::uint8_t> png);
+  StoredImage get(const std::string& map) const;  // no_such_mask
+  // Also when there is none. map_is_merged.
+  void clear(const std::string& map);
+
+ private:
+  Store& store_;
+};
+
+// The mask of a map for core/feature/mask.h; empty when it has none.
+cv::Mat load_mask(const Reader& db, MapId map);
+
+}  // namespace mapweld::server
