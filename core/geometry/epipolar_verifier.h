@@ -14,7 +14,7 @@ class EpipolarVerifier final : public PairVerifier {
   explicit EpipolarVerifier(const VerifierOptions& options = {}) : options_(options) {}
 
   Verification verify(const AppearanceVector& a, const AppearanceVector& b) const override;
-  std::string version() const override { return options_.signatures ? "epipolar-2" : "epipolar-2-words"; }
+  std::string version() const override { return options_.signatures ? "epipolar-3" : "epipolar-3-words"; }
   const VerifierOptions& options() const override { return options_; }
 
  private:
