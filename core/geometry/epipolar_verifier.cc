@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "core/geometry/signature_matches.h"
 #include "core/geometry/similarity_support.h"
 #include "core/geometry/spatial_consistency.h"
+#include "core/geometry/static_matches.h"
 #include "core/geometry/two_view_geometry.h"
 #include "core/geometry/view_overlap.h"
 #include "core/geometry/word_matches.h"
@@ -147,10 +149,23 @@ Verification verify_in_order(const AppearanceVector& a, const AppearanceVector& 
   return v;
 }
 
+// By what is left of the images without what the camera carries with it.
+Verification verify_rest_in_order(const AppearanceVector& a, const AppearanceVector& b,
+                                  const VerifierOptions& options) {
+  const std::optional<WithoutStatic> rest = without_static(a, b, {});
+  if (!rest) return verify_in_order(a, b, options);
+  Verification v = verify_in_order(rest->a, rest->b, options);
+  for (auto& [in_a, in_b] : v.inlier_matches) {
+    in_a = rest->index_a[in_a];
+    in_b = rest->index_b[in_b];
+  }
+  return v;
+}
+
 }  // namespace
 
 Verification EpipolarVerifier::verify(const AppearanceVector& a, const AppearanceVector& b) const {
-  return a <= b ? verify_in_order(a, b, options_) : mirrored(verify_in_order(b, a, options_));
+  return a <= b ? verify_rest_in_order(a, b, options_) : mirrored(verify_rest_in_order(b, a, options_));
 }
 
 std::shared_ptr<const PairVerifier> make_verifier(const VerifierOptions& options) {

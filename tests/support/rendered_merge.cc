@@ -111,13 +111,15 @@ MadeMap make_map(const std::vector<AppearanceVector>& images) {
 
 std::vector<AppearanceVector> see(const RenderedWorld& world, const std::vector<Pose>& poses,
                                   const CameraConditions& conditions, std::uint64_t noise_seed,
-                                  const Vocabulary& vocabulary, int threads) {
+                                  const Vocabulary& vocabulary, int threads, std::optional<Overlay> overlay) {
   std::vector<AppearanceVector> images(poses.size());
   for_each_index(static_cast<int>(poses.size()), threads, [&](int i) {
     CameraConditions own = conditions;
     own.noise_seed = hash_of(noise_seed, i);
     const auto index = static_cast<std::size_t>(i);
-    const Features features = extract_features(decode_grey(to_jpeg(world.render(poses[index], own).bgr)));
+    cv::Mat frame = world.render(poses[index], own).bgr;
+    if (overlay) draw_overlay(frame, *overlay, static_cast<int>(noise_seed) + i);
+    const Features features = extract_features(decode_grey(to_jpeg(frame)));
     images[index] = make_appearance_vector(features, vocabulary.quantise(features));
   });
   return images;

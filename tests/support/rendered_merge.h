@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/geometry/pair_verifier.h"
@@ -12,6 +13,7 @@
 #include "core/merge/merge_input.h"
 #include "core/merge/merge_state.h"
 #include "core/vocabulary/vocabulary.h"
+#include "tests/support/overlays.h"
 #include "tests/support/rendered_world.h"
 
 namespace mapweld::rendered {
@@ -46,10 +48,11 @@ std::shared_ptr<const Vocabulary> shipped_vocabulary();
 // Mapping with default parameters, in the order given.
 MadeMap make_map(const std::vector<AppearanceVector>& images);
 
-// What a robot with these conditions sees at these poses, through JPEG, extractor and vocabulary.
+// What a robot with these conditions sees at these poses, through JPEG, extractor and vocabulary. `overlay`: laid over
+// each frame before it is compressed; the first is frame number `noise_seed`.
 std::vector<AppearanceVector> see(const RenderedWorld& world, const std::vector<Pose>& poses,
                                   const CameraConditions& conditions, std::uint64_t noise_seed,
-                                  const Vocabulary& vocabulary, int threads);
+                                  const Vocabulary& vocabulary, int threads, std::optional<Overlay> overlay = {});
 
 // Verifies every candidate. The truth stays empty.
 MadeMerge verify_all(MadeMap a, MadeMap b, int threads);

@@ -114,5 +114,26 @@ TEST(Photographs, TwoRunsThroughAnOfficeMeetInOrder) {
   EXPECT_GT(agree, 0.85 * pairs);
 }
 
+// Frames of an office and a corridor with the same two lines of text in all of them.
+TEST(Photographs, ACamerasOwnTextJoinsNothing) {
+  const std::string cases = "../cases/static-overlay/";
+  REQUIRE_PHOTOGRAPHS(cases + "office");
+  REQUIRE_PHOTOGRAPHS(cases + "corridor");
+  EXPECT_EQ(accepted_pairs(photographs(cases + "office"), photographs(cases + "corridor")).size(), 0u);
+  // As many within each as when the features under the text are taken away: 17 and 4.
+  const auto within = [](const std::vector<Photograph>& images) {
+    const EpipolarVerifier verifier;
+    int accepted = 0;
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      for (std::size_t j = i + 1; j < images.size(); ++j) {
+        accepted += verifier.verify(images[i].appearances, images[j].appearances).accepted ? 1 : 0;
+      }
+    }
+    return accepted;
+  };
+  EXPECT_EQ(within(photographs(cases + "office")), 17);
+  EXPECT_EQ(within(photographs(cases + "corridor")), 4);
+}
+
 }  // namespace
 }  // namespace mapweld

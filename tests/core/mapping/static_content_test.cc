@@ -1,0 +1,104 @@
+// What is in every picture of a camera joins nothing: rendered drives through two buildings that share nothing, with
+// the real extractor, vocabulary, mapper and verifier, every kind of overlay laid over them.
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <opencv2/core/mat.hpp>
+
+#include "core/mapping/localizer.h"
+#include "tests/support/overlays.h"
+#include "tests/support/rendered_merge.h"
+#include "tests/support/sample_maps.h"
+#include "tests/support/trajectory.h"
+
+namespace mapweld::rendered {
+namespace {
+
+constexpr int kImages = 24;  // of each building
+constexpr std::uint64_t kFirst = 1;
+constexpr std::uint64_t kSecond = 3;
+
+const Vocabulary& vocabulary() {
+  static const auto shipped = shipped_vocabulary();
+  return *shipped;
+}
+
+struct Building {
+  RenderedWorld world;
+  std::vector<Pose> poses;
+  explicit Building(std::uint64_t seed)
+      : world({.corridors = 1, .corridor_length_m = 8, .seed = seed, .catalogue_seed = seed}),
+        poses(trajectory(world, {.n_images = kImages, .seed = seed})) {}
+};
+
+const Building& building(std::uint64_t seed) {
+  static std::vector<std::unique_ptr<Building>> built(4);
+  if (!built.at(seed)) built[seed] = std::make_unique<Building>(seed);
+  return *built[seed];
+}
+
+std::vector<AppearanceVector> images_of(std::uint64_t seed, std::optional<Overlay> overlay) {
+  const Building& b = building(seed);
+  return see(b.world, b.poses, conditions_of_a(), 100 * seed, vocabulary(), 2, overlay);
+}
+
+// The images without overlay, but for the features that it would cover.
+std::vector<AppearanceVector> uncovered_of(std::uint64_t seed, Overlay overlay) {
+  std::vector<AppearanceVector> images = images_of(seed, {});
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const cv::Mat covered =
+        covered_by(overlay, {images[i].width_px, images[i].height_px}, static_cast<int>(100 * seed + i));
+    std::erase_if(images[i].appearances, [&](const Appearance& p) {
+      return covered.at<std::uint8_t>(static_cast<int>(p.y_px), static_cast<int>(p.x_px)) != 0;
+    });
+  }
+  return images;
+}
+
+// Edges within the first building, within the second, and between the two, in one map of all.
+struct Edges {
+  int first = 0, second = 0, between = 0;
+};
+Edges edges_of_one_map(const std::vector<AppearanceVector>& first, const std::vector<AppearanceVector>& second) {
+  std::vector<AppearanceVector> all = first;
+  all.insert(all.end(), second.begin(), second.end());
+  const MadeMap map = make_map(all);
+  std::vector<bool> is_second(map.vertices.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (map.vertex_of_image[i] != MadeMap::kIgnored) is_second[map.vertex_of_image[i]] = i >= first.size();
+  }
+  Edges edges;
+  for (const Edge& e : map.inner_edges) {
+    const bool u = is_second[to_index(e.u)];
+    const bool v = is_second[to_index(e.v)];
+    ++(u != v ? edges.between : u ? edges.second : edges.first);
+  }
+  return edges;
+}
+
+class StaticContent : public ::testing::TestWithParam<Overlay> {};
+
+TEST_P(StaticContent, JoinsNoTwoBuildingsAndLeavesEachItsEdges) {
+  static const Edges plain = edges_of_one_map(images_of(kFirst, {}), images_of(kSecond, {}));
+  ASSERT_GE(plain.first, 40);
+  ASSERT_GE(plain.second, 40);
+  ASSERT_EQ(plain.between, 0);
+  const Overlay kind = GetParam();
+  const Edges visible = edges_of_one_map(uncovered_of(kFirst, kind), uncovered_of(kSecond, kind));
+  const Edges edges = edges_of_one_map(images_of(kFirst, kind), images_of(kSecond, kind));
+  EXPECT_EQ(edges.between, 0);
+  EXPECT_GE(edges.first + edges.second, (visible.first + visible.second) * 8 / 10)
+      << "without overlay " << plain.first + plain.second;
+  RecordProperty("within", edges.first + edges.second);
+  RecordProperty("within_where_not_covered", visible.first + visible.second);
+  RecordProperty("within_without_overlay", plain.first + plain.second);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, StaticContent, ::testing::ValuesIn(kOverlays),
+                         [](const auto& kind) { return std::string(to_string(kind.param)); });
+
+}  // namespace
+}  // namespace mapweld::rendered
