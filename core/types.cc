@@ -32,4 +32,25 @@ std::optional<Reason> parse_reason(std::string_view word) {
   return std::nullopt;
 }
 
+std::string_view to_string(VoteRule rule) {
+  switch (rule) {
+    case VoteRule::kMin:
+      return "min";
+    case VoteRule::kProduct:
+      return "product";
+    case VoteRule::kSignatures:
+      return "signatures";
+  }
+  return "";
+}
+
+std::optional<VoteRule> parse_vote_rule(std::string_view word) {
+  for (const VoteRule rule : {VoteRule::kMin, VoteRule::kProduct, VoteRule::kSignatures}) {
+    if (to_string(rule) == word) return rule;
+  }
+  return std::nullopt;
+}
+
+std::uint32_t default_min_votes(VoteRule rule) { return rule == VoteRule::kSignatures ? 3 : 10; }
+
 }  // namespace mapweld

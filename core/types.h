@@ -80,18 +80,19 @@ struct AppearanceVector {
   friend auto operator<=>(const AppearanceVector&, const AppearanceVector&) = default;
 };
 
-// An entry of the inverted index: how often a word appears in a vertex (saturates at 65535).
-struct Posting {
-  VertexId vertex{};
-  std::uint16_t count = 0;
-  friend auto operator<=>(const Posting&, const Posting&) = default;
-};
-
 // How the similarity S of two images is counted from equal words (docs/design.md, "Votes").
 enum class VoteRule : std::uint8_t {
-  kMin,      // sum over words of min(c_i, c_j): bounds the number of one-to-one matches
-  kProduct,  // sum over words of c_i * c_j: the paper's S
+  kMin,         // sum over words of min(c_i, c_j): bounds the number of one-to-one matches
+  kProduct,     // sum over words of c_i * c_j: the paper's S
+  kSignatures,  // as kMin, of features whose signatures agree: core/retrieval/vote_signature.h
 };
+
+// The word of http-api.md for a rule ("min", "product", "signatures").
+std::string_view to_string(VoteRule rule);
+// The other way; nullopt for a word that is none.
+std::optional<VoteRule> parse_vote_rule(std::string_view word);
+// From so many votes on a pair is worth verifying, unless somebody says otherwise; measured: docs/votes.md.
+std::uint32_t default_min_votes(VoteRule rule);
 
 // A pair of images worth verifying: `source` in m2, `target` in m1 (paper, section V), with its votes.
 struct Candidate {

@@ -26,11 +26,10 @@ struct OpenSpan {
   SegmentPostings newest;
 };
 
-void find_in(const SegmentPostings& segment, WordId word, std::vector<Posting>& out) {
+void find_in(const SegmentPostings& segment, WordId word, PostingList& out) {
   const auto found = std::ranges::lower_bound(segment.words, word);
   if (found == segment.words.end() || *found != word) return;
-  const auto list = segment.of(static_cast<std::size_t>(found - segment.words.begin()));
-  out.insert(out.end(), list.begin(), list.end());
+  out.append(segment.of(static_cast<std::size_t>(found - segment.words.begin())));
 }
 
 void read_directory(const Reader& db, OpenSegment& segment) {
@@ -39,7 +38,7 @@ void read_directory(const Reader& db, OpenSegment& segment) {
   while (row.step()) segment.blocks.emplace_back(row.id<WordId>(0), row.integer(1));
 }
 
-void find_in(const Reader& db, OpenSegment& segment, WordId word, std::vector<Posting>& out) {
+void find_in(const Reader& db, OpenSegment& segment, WordId word, PostingList& out) {
   const auto after = std::ranges::upper_bound(segment.blocks, word, {}, &std::pair<WordId, std::int64_t>::first);
   if (after == segment.blocks.begin()) return;
   const auto at = static_cast<std::size_t>(after - segment.blocks.begin()) - 1;
@@ -60,10 +59,11 @@ struct SegmentPostingSource::Parts {
   const Reader& db;
   std::uint32_t vertices = 0;
   std::vector<OpenSpan> spans;
+  PostingList found;  // scratch
 };
 
 SegmentPostingSource::SegmentPostingSource(const Reader& db, const MapLayout& layout, VocabularyId vocabulary)
-    : parts_(new Parts{db, layout.vertices(), {}}) {
+    : parts_(new Parts{db, layout.vertices(), {}, {}}) {
   for (const MapLayout::LeafSpan& span : layout.leaf_spans()) {
     OpenSpan& open = parts_->spans.emplace_back();
     open.span = span;
@@ -88,19 +88,16 @@ SegmentPostingSource::SegmentPostingSource(const Reader& db, const MapLayout& la
 
 SegmentPostingSource::~SegmentPostingSource() = default;
 
-void SegmentPostingSource::postings(WordId word, std::vector<Posting>& out) const {
+void SegmentPostingSource::visit(WordId word, const Visitor& visitor) const {
   for (OpenSpan& open : parts_->spans) {
-    const std::size_t begin = out.size();
-    for (OpenSegment& segment : open.segments) find_in(parts_->db, segment, word, out);
-    find_in(open.newest, word, out);
+    PostingList& found = parts_->found;
+    found.clear();
+    for (OpenSegment& segment : open.segments) find_in(parts_->db, segment, word, found);
+    find_in(open.newest, word, found);
     // Segments may reach beyond the span at both its ends.
-    const std::uint32_t leaf_first = to_index(open.span.leaf_first);
-    auto kept = out.begin() + static_cast<std::ptrdiff_t>(begin);
-    for (auto posting = kept; posting != out.end(); ++posting) {
-      const std::uint32_t offset = to_index(posting->vertex) - leaf_first;  // wraps round before the first
-      if (offset < open.span.count) *kept++ = {VertexId{to_index(open.span.first) + offset}, posting->count};
-    }
-    out.erase(kept, out.end());
+    const VertexId first = open.span.leaf_first, end{to_index(first) + open.span.count};
+    const PostingSpan part = PostingSpan(found).between(first, end);
+    if (!part.empty()) visitor({part, to_index(open.span.first) - to_index(first)});
   }
 }
 

@@ -19,10 +19,10 @@ std::optional<SegmentPostings> invert_appearances(const Reader& db, MapId map, V
                                                   std::uint32_t count) {
   // Every image's words ascend, and images come in order: counting how often each word is posted tells where its list
   // begins, and a second pass over the images fills the lists.
-  std::vector<WordId> words;          // of all images, one after another
-  std::vector<std::size_t> ends;      // of each image, in `words`
-  std::vector<std::uint32_t> posted;  // by word: images that have it
-  std::vector<WordId> image_words;
+  blobs::IndexedFeatures all;         // of all images, one after another
+  std::vector<std::size_t> ends;      // of each image, in `all`
+  std::vector<std::uint32_t> posted;  // by word
+  blobs::IndexedFeatures image;
   sqlite::Statement row = db.prepare(
       "SELECT vertex, bytes FROM appearances WHERE map = ? AND vertex >= ? AND vertex < ? AND vocabulary = ? "
       "ORDER BY vertex");
@@ -30,15 +30,14 @@ std::optional<SegmentPostings> invert_appearances(const Reader& db, MapId map, V
   row.bind_all(map, begin, begin + count, vocabulary);
   for (std::uint64_t next = begin; row.step(); ++next) {
     if (static_cast<std::uint64_t>(row.integer(0)) != next) return std::nullopt;
-    blobs::decode_words(row.blob(1), image_words);
-    if (!image_words.empty() && to_index(image_words.back()) >= posted.size()) {
-      posted.resize(std::size_t{to_index(image_words.back())} + 1);
+    blobs::decode_indexed(row.blob(1), image);
+    if (!image.words.empty() && to_index(image.words.back()) >= posted.size()) {
+      posted.resize(std::size_t{to_index(image.words.back())} + 1);
     }
-    for (std::size_t i = 0; i < image_words.size(); ++i) {
-      if (i == 0 || image_words[i] != image_words[i - 1]) ++posted[to_index(image_words[i])];
-    }
-    words.insert(words.end(), image_words.begin(), image_words.end());
-    ends.push_back(words.size());
+    for (const WordId word : image.words) ++posted[to_index(word)];
+    all.words.insert(all.words.end(), image.words.begin(), image.words.end());
+    all.signatures.insert(all.signatures.end(), image.signatures.begin(), image.signatures.end());
+    ends.push_back(all.words.size());
   }
   if (ends.size() != count) return std::nullopt;
 
@@ -53,13 +52,11 @@ std::optional<SegmentPostings> invert_appearances(const Reader& db, MapId map, V
   segment.offsets.push_back(postings);
   segment.postings.resize(postings);
   std::size_t i = 0;
-  for (std::uint32_t image = 0; image < count; ++image) {
-    while (i < ends[image]) {
-      const WordId word = words[i];
-      std::size_t same = 0;
-      for (; i < ends[image] && words[i] == word; ++i) ++same;
-      segment.postings[posted[to_index(word)]++] = {
-          VertexId{to_index(first) + image}, static_cast<std::uint16_t>(std::min<std::size_t>(same, UINT16_MAX))};
+  for (std::uint32_t vertex = 0; vertex < count; ++vertex) {
+    for (; i < ends[vertex]; ++i) {
+      const std::uint32_t at = posted[to_index(all.words[i])]++;
+      segment.postings.vertices[at] = VertexId{to_index(first) + vertex};
+      segment.postings.signatures[at] = all.signatures[i];
     }
   }
   return segment;
@@ -67,7 +64,6 @@ std::optional<SegmentPostings> invert_appearances(const Reader& db, MapId map, V
 
 SegmentPostings read_segment(const Reader& db, const SegmentRow& row) {
   SegmentPostings segment{row.first, row.count, {}, {}, {}};
-  segment.postings.reserve(row.postings);
   sqlite::Statement block_row =
       db.prepare("SELECT first_word, bytes FROM posting_blocks WHERE segment = ? ORDER BY first_word");
   block_row.bind(1, row.id);
@@ -93,22 +89,18 @@ SegmentPostings read_segment(const Reader& db, const SegmentRow& row) {
 
 SegmentPostings concatenate(std::span<const SegmentPostings> neighbours) {
   SegmentPostings all{neighbours.front().first, 0, {}, {}, {}};
-  std::size_t postings = 0;
   for (const SegmentPostings& segment : neighbours) {
     all.count += segment.count;
-    postings += segment.postings.size();
     all.words.insert(all.words.end(), segment.words.begin(), segment.words.end());
   }
   std::ranges::sort(all.words);
   all.words.erase(std::unique(all.words.begin(), all.words.end()), all.words.end());
-  all.postings.reserve(postings);
   std::vector<std::size_t> at(neighbours.size(), 0);
   for (const WordId word : all.words) {
     all.offsets.push_back(static_cast<std::uint32_t>(all.postings.size()));
     for (std::size_t s = 0; s < neighbours.size(); ++s) {
       if (at[s] == neighbours[s].words.size() || neighbours[s].words[at[s]] != word) continue;
-      const auto list = neighbours[s].of(at[s]++);
-      all.postings.insert(all.postings.end(), list.begin(), list.end());
+      all.postings.append(neighbours[s].of(at[s]++));
     }
   }
   all.offsets.push_back(static_cast<std::uint32_t>(all.postings.size()));
@@ -119,10 +111,11 @@ SegmentPostings cut(const SegmentPostings& segment, VertexId first, std::uint32_
   SegmentPostings part{renumbered_first, count, {}, {}, {}};
   for (std::size_t i = 0; i < segment.words.size(); ++i) {
     const std::size_t before = part.postings.size();
-    for (const Posting& posting : segment.of(i)) {
+    const PostingSpan list = segment.of(i);
+    for (std::size_t k = 0; k < list.size(); ++k) {
       // Wraps round for a vertex before the first, and is then beyond the count.
-      const std::uint32_t offset = to_index(posting.vertex) - to_index(first);
-      if (offset < count) part.postings.push_back({VertexId{to_index(renumbered_first) + offset}, posting.count});
+      const std::uint32_t offset = to_index(list.vertices[k]) - to_index(first);
+      if (offset < count) part.postings.add(VertexId{to_index(renumbered_first) + offset}, list.signatures[k]);
     }
     if (part.postings.size() == before) continue;
     part.words.push_back(segment.words[i]);
@@ -137,7 +130,9 @@ SegmentId insert_segment(WriteTransaction& db, MapId map, VocabularyId vocabular
       .bind_all(map, vocabulary, segment.first, segment.count, segment.postings.size())
       .run();
   const SegmentId id{db.connection().last_insert_rowid()};
-  blobs::PostingBlockWriter writer(segment.first, kBlockBytes);
+  const bool with_signatures =
+      std::ranges::any_of(segment.postings.signatures, [](VoteSignature signature) { return signature != 0; });
+  blobs::PostingBlockWriter writer(segment.first, kBlockBytes, with_signatures);
   for (std::size_t i = 0; i < segment.words.size(); ++i) writer.add(segment.words[i], segment.of(i));
   sqlite::Statement insert = db.prepare("INSERT INTO posting_blocks (segment, first_word, bytes) VALUES (?, ?, ?)");
   for (const auto& block : std::move(writer).finish()) {

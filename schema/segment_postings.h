@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/retrieval/postings.h"
 #include "core/types.h"
 #include "schema/segment_store.h"
 
@@ -17,11 +18,9 @@ struct SegmentPostings {
   std::uint32_t count = 0;
   std::vector<WordId> words;           // ascending
   std::vector<std::uint32_t> offsets;  // one a word and one at the end
-  std::vector<Posting> postings;       // ascending by vertex within a word
+  PostingList postings;                // ascending by vertex within a word
 
-  std::span<const Posting> of(std::size_t i) const {
-    return std::span(postings).subspan(offsets[i], offsets[i + 1] - offsets[i]);
-  }
+  PostingSpan of(std::size_t i) const { return PostingSpan(postings).part(offsets[i], offsets[i + 1]); }
   friend bool operator==(const SegmentPostings&, const SegmentPostings&) = default;
 };
 

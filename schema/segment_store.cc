@@ -72,14 +72,11 @@ void add_appearances(const Reader& db, MapId map, VocabularyId vocabulary, std::
       "ORDER BY vertex");
   const std::uint64_t end = std::uint64_t{first} + count;
   row.bind_all(map, first, end, vocabulary);
-  std::vector<WordId> words;
-  AppearanceVector image;
+  blobs::IndexedFeatures image;
   std::uint64_t next = first;
   for (; row.step() && static_cast<std::uint64_t>(row.integer(0)) == next; ++next) {
-    blobs::decode_words(row.blob(1), words);
-    image.appearances.clear();
-    for (const WordId word : words) image.appearances.push_back({word});
-    index.add(image);
+    blobs::decode_indexed(row.blob(1), image);
+    index.add(image.words, image.signatures);
   }
   if (next != end) {
     throw StoreError(StoreErrorKind::kCorrupt, "map " + std::to_string(to_index(map)) + ": vertex " +

@@ -28,8 +28,8 @@ struct SegmentOptions {
 struct SegmentRow {
   SegmentId id{};
   VertexId first{};
-  std::uint32_t count = 0;  // vertices
-  std::uint64_t postings = 0;
+  std::uint32_t count = 0;     // vertices
+  std::uint64_t postings = 0;  // one a feature
 };
 
 // The segments of a plain map, ascending; they cover [0, n) without gaps for some n.
@@ -67,7 +67,7 @@ class SegmentPostingSource final : public PostingSource {
   SegmentPostingSource(const SegmentPostingSource&) = delete;
   SegmentPostingSource& operator=(const SegmentPostingSource&) = delete;
 
-  void postings(WordId word, std::vector<Posting>& out) const override;
+  void visit(WordId word, const Visitor& visitor) const override;
   std::uint32_t vertices() const override;
 
  private:

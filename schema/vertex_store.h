@@ -101,4 +101,8 @@ AppearanceVector load_appearances(const Reader& db, MapId map, VocabularyId voca
 std::vector<AppearanceVector> load_appearances(const Reader& db, MapId map, VocabularyId vocabulary, VertexId first,
                                                std::uint32_t count);
 
+// Whether the appearances of a map of any kind have signatures. A map gets all its images from one version of the
+// program or later ones: the first image with features in each of its leaves tells. True for one without any.
+bool has_signatures(const Reader& db, const MapLayout& layout, VocabularyId vocabulary);
+
 }  // namespace mapweld

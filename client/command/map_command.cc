@@ -116,12 +116,14 @@ void add_map_command(CLI::App& app, Context& context) {
   make->add_option("NAME", options->create.name, "Letters, digits, dots, underscores and hyphens")->required();
   make->add_option("--vocabulary", options->create.vocabulary, "The words to use (default: the server's)");
   make->add_option("--max-features", options->parameters.max_features, "Strongest features kept of an image");
-  make->add_option("--min-votes", options->parameters.min_votes, "Fewest equal words of a candidate");
+  make->add_option("--min-votes", options->parameters.min_votes,
+                   "Fewest votes of a candidate (default: 3 by signatures, 10 by words)");
   make->add_option("--min-inliers", options->parameters.min_inliers, "Fewest verified matches of an edge");
   make->add_option("--max-inliers", options->parameters.max_inliers, "An image with more is ignored as too similar");
   make->add_option("--verify-top", options->parameters.verify_top, "Best candidates that are verified");
-  make->add_option("--votes", options->parameters.votes, "How equal words count")
-      ->check(CLI::IsMember({"min", "product"}));
+  make->add_option("--votes", options->parameters.votes,
+                   "What votes: equal words, or those whose signatures agree (default)")
+      ->check(CLI::IsMember({"min", "product", "signatures"}));
   make->add_option("--store-images", options->parameters.store_images, "Whether pixels are kept")
       ->check(CLI::IsMember({"full", "none"}));
   make->add_option("--label", options->labels, "KEY=TEXT, any number of them")->type_name("KEY=TEXT");

@@ -65,13 +65,15 @@ void add_merge_command(CLI::App& app, Context& context) {
       ->check(CLI::IsMember(std::vector<std::string>(contract::kMergeMethods.begin(), contract::kMergeMethods.end())));
   command->add_option("--seed", options->submit.seed, "Of the methods that draw at random")
       ->check(CLI::NonNegativeNumber);
-  command->add_option("--votes", options->parameters.votes, "How equal words count")
-      ->check(CLI::IsMember({"min", "product"}));
-  command->add_option("--min-votes", options->parameters.min_votes, "Fewest votes of a candidate");
+  command
+      ->add_option("--votes", options->parameters.votes,
+                   "What votes: equal words, or those whose signatures agree (default)")
+      ->check(CLI::IsMember({"min", "product", "signatures"}));
+  command->add_option("--min-votes", options->parameters.min_votes,
+                      "Fewest votes of a candidate (default: 3 by signatures, 10 by words)");
   command->add_option("--min-inliers", options->parameters.min_inliers, "Fewest verified matches of an edge");
   command->add_flag_function(
-      "--alias-guard,!--no-alias-guard",
-      [options](std::int64_t times) { options->parameters.alias_guard = times > 0; },
+      "--alias-guard,!--no-alias-guard", [options](std::int64_t times) { options->parameters.alias_guard = times > 0; },
       "Confirm only edges that fully show their place and that none contradicts, or all of them (default: spectral "
       "guards)");
   options->budget.add_to(*command);

@@ -18,7 +18,7 @@ void check(const CreateMap& request) {
     check_range(parameters.min_inliers, "parameters.min_inliers", 1, 65535);
     check_range(parameters.max_inliers, "parameters.max_inliers", 1, 65535);
     check_range(parameters.verify_top, "parameters.verify_top", 1, 1000);
-    check_one_of(parameters.votes, "parameters.votes", {"min", "product"});
+    check_one_of(parameters.votes, "parameters.votes", {"min", "product", "signatures"});
     check_one_of(parameters.store_images, "parameters.store_images", {"full", "none"});
     if (parameters.min_inliers && parameters.max_inliers && *parameters.min_inliers > *parameters.max_inliers) {
       throw ContractError("invalid_parameter",

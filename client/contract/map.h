@@ -16,11 +16,11 @@ namespace mapweld::contract {
 // there.
 struct MapParameters {
   std::optional<int> max_features;          // strongest SIFT features kept of an image
-  std::optional<int> min_votes;             // fewest equal words of a candidate
+  std::optional<int> min_votes;             // fewest votes of a candidate; default: the rule's
   std::optional<int> min_inliers;           // fewest verified matches of an edge
   std::optional<int> max_inliers;           // an image with more to some vertex is ignored as too similar
   std::optional<int> verify_top;            // best candidates verified when localizing and mapping
-  std::optional<std::string> votes;         // "min" or "product"
+  std::optional<std::string> votes;         // "min", "product" or "signatures"
   std::optional<std::string> store_images;  // "full" or "none"
   static constexpr auto fields() {
     using P = MapParameters;

@@ -29,7 +29,7 @@ void check(const SubmitMerge& request) {
       throw ContractError("invalid_parameter", "\"parameters.max_false_alarms\" must be greater than 0.");
     }
     check_range(request.parameters->min_confidence, "parameters.min_confidence", 0.0, 1.0);
-    check_one_of(request.parameters->votes, "parameters.votes", {"min", "product"});
+    check_one_of(request.parameters->votes, "parameters.votes", {"min", "product", "signatures"});
   }
   if (request.budget) check(*request.budget);
 }

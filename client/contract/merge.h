@@ -30,7 +30,7 @@ struct MergeParameters {
   std::optional<int> min_votes;
   std::optional<int> min_inliers;
   std::optional<double> max_false_alarms;  // an accepted pair's number of false alarms is at most this; > 0
-  std::optional<std::string> votes;        // "min" or "product"
+  std::optional<std::string> votes;        // "min", "product" or "signatures"
   std::optional<bool> alias_guard;
   std::optional<double> min_confidence;  // of a confirmed edge, where the guard judges; 0 to 1
   static constexpr auto fields() {

@@ -3,12 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#if defined(__x86_64__)
-#include <immintrin.h>
-#define MAPWELD_X86_KERNELS 1
-#endif
-
-#include "core/processor.h"
+#include "core/popcount_avx2.h"
 
 namespace mapweld {
 namespace {
@@ -72,22 +67,11 @@ void compare_scalar(const Signature& row, std::uint32_t i, std::size_t from, std
 
 #ifdef MAPWELD_X86_KERNELS
 
-#define MAPWELD_AVX2 __attribute__((target("avx2")))
-
 MAPWELD_AVX2 inline __m256i load_avx2(const std::uint32_t* from) {
   return _mm256_load_si256(reinterpret_cast<const __m256i*>(from));
 }
 MAPWELD_AVX2 inline void store_avx2(std::uint32_t* to, __m256i value) {
   _mm256_store_si256(reinterpret_cast<__m256i*>(to), value);
-}
-
-// Set bits of each byte, by halves of it (Mula, Kurz & Lemire 2018).
-MAPWELD_AVX2 inline __m256i bits_of_bytes_avx2(__m256i bytes) {
-  const __m256i table =
-      _mm256_setr_epi8(0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4, 0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4);
-  const __m256i low = _mm256_set1_epi8(0x0F);
-  return _mm256_add_epi8(_mm256_shuffle_epi8(table, _mm256_and_si256(bytes, low)),
-                         _mm256_shuffle_epi8(table, _mm256_and_si256(_mm256_srli_epi16(bytes, 4), low)));
 }
 
 MAPWELD_AVX2 inline std::uint32_t least_lane(__m256i lanes) {
@@ -187,18 +171,12 @@ MAPWELD_AVX512 void compare_avx512(const Signature& row, std::uint32_t i, std::s
   offer_all(_mm256_min_epu32(low, high), _mm256_min_epu32(_mm256_max_epu32(low, high), seconds), own);
 }
 
-PopcountSimd detect() {
-  __builtin_cpu_init();
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vpopcntdq")) return PopcountSimd::kAvx512;
-  return has_avx2() ? PopcountSimd::kAvx2 : PopcountSimd::kScalar;
-}
-
 #endif
 
 Kernel kernel(PopcountSimd limit) {
 #ifdef MAPWELD_X86_KERNELS
-  static const PopcountSimd best = detect();
-  switch (std::min(limit, best)) {
+  static const PopcountSimd widest = widest_popcount();
+  switch (std::min(limit, widest)) {
     case PopcountSimd::kAvx512:
       return compare_avx512;
     case PopcountSimd::kAvx2:

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/processor.h"
 #include "core/types.h"
 
 namespace mapweld {
@@ -33,11 +34,8 @@ struct Compared {
   std::uint32_t count = 0;
 };
 
-// The widest instruction set that is used; all find the same.
-enum class PopcountSimd : std::uint8_t { kScalar, kAvx2, kAvx512 };
-
-// Exact: 0.25 (AVX-512), 0.54 (AVX2) or 8 ns a comparison. Lists of at most 65535 signatures. `compared`: one for each of
-// a.
+// Exact: 0.25 (AVX-512), 0.54 (AVX2) or 8 ns a comparison. Lists of at most 65535 signatures. `compared`: one for each
+// of a. `limit`: the widest instruction set that is used.
 NearestSignatures nearest_signatures(std::span<const Signature> a, std::span<const Signature> b,
                                      std::span<const Compared> compared, PopcountSimd limit = PopcountSimd::kAvx512);
 

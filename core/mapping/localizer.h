@@ -16,11 +16,11 @@ namespace mapweld {
 // The parameters of a map (http-api.md, "parameters"); defaults measured, see docs/verification.md.
 struct MapParameters {
   int max_features = 500;
-  std::uint32_t min_votes = 10;
+  std::uint32_t min_votes = default_min_votes(VoteRule::kSignatures);
   int min_inliers = 10;
   int max_inliers = 200;  // a new image with more inliers to some vertex is ignored as too similar; see mapper.h
   int verify_top = 50;    // so many best candidates are verified when localizing and mapping
-  VoteRule votes = VoteRule::kMin;
+  VoteRule votes = VoteRule::kSignatures;
   friend bool operator==(const MapParameters&, const MapParameters&) = default;
 };
 

@@ -12,9 +12,10 @@ namespace mapweld {
 
 struct MergeOptions {
   std::string method = "quickconnect";  // one of merge_methods()
-  std::uint32_t min_votes = 10;         // a pair is a candidate when its final votes reach this; 1 .. 65535
-  VoteRule votes = VoteRule::kMin;      // how the similarity S of two images is counted
-  std::uint64_t seed = 0;               // of the methods that draw at random
+  std::uint32_t min_votes =
+      default_min_votes(VoteRule::kSignatures);  // a pair is a candidate when its final votes reach this; 1 .. 65535
+  VoteRule votes = VoteRule::kSignatures;        // how the similarity S of two images is counted
+  std::uint64_t seed = 0;                        // of the methods that draw at random
   friend bool operator==(const MergeOptions&, const MergeOptions&) = default;
 };
 

@@ -60,7 +60,7 @@ PairMerger::PairMerger(MergeInput input, bool counts_candidates)
   std::uint64_t total = 0;
   for (const MemberPair& pair : pairs_) {
     std::shared_ptr<const VoteSource> votes = votes_of(input_, pair);
-    hash.add(votes->fingerprint());
+    hash.add(votes->fingerprint(input_.options.votes));
     std::uint64_t candidates = 0;
     if (counts_candidates || !is_one_pair) {
       candidates = count_candidates(*votes, input_.options.votes, input_.options.min_votes);

@@ -8,7 +8,8 @@
 
 namespace mapweld {
 
-QuickConnect::QuickConnect(MergeInput input, Limits limits) : PairMerger(std::move(input), true), limits_(limits) {
+QuickConnect::QuickConnect(MergeInput input, Limits limits)
+    : PairMerger(std::move(input), true), limits_(limits), voter_(input_.options.votes) {
   begin_pair();
   advance_phase();
 }
@@ -35,9 +36,9 @@ void QuickConnect::resume(MergeState state) {
               search.similarity.columns() == fresh.columns() && search.priorities.size() == words &&
               search.word_processed.size() == words && search.source_processed.size() == votes().rows();
   fits = fits && search.words_processed == static_cast<std::size_t>(std::ranges::count(search.word_processed, 1));
-  fits = fits &&
-         (search.word_in_hand == PairSearch::kNoWord ||
-          (search.word_in_hand < words && search.word_next_row < votes().row_postings(search.word_in_hand).size()));
+  fits = fits && (search.word_in_hand == PairSearch::kNoWord ||
+                  (search.word_in_hand < words &&
+                   search.word_next_row < count_vertices(votes().row_postings(search.word_in_hand).vertices)));
   if (fresh.is_sparse()) {
     fits = fits && search.similarity.appended_rows() == search.next_row &&
            (state.phase == MergePhase::kVoting || search.next_row == votes().rows());
@@ -96,19 +97,27 @@ void QuickConnect::vote() {
     search.pending.clear();
     search.pending_next = 0;
   }
-  const std::span<const Posting> rows = votes().row_postings(search.word_in_hand);
-  const std::span<const Posting> columns = votes().column_postings(search.word_in_hand);
-  const std::uint64_t part = std::max<std::uint64_t>(1, limits_.pairs_per_step / columns.size());
-  const std::span<const Posting> now =
-      rows.subspan(search.word_next_row, std::min<std::uint64_t>(part, rows.size() - search.word_next_row));
+  const PostingSpan rows = votes().row_postings(search.word_in_hand);
+  const PostingSpan columns = votes().column_postings(search.word_in_hand);
+  const std::uint64_t part = std::max<std::uint64_t>(1, limits_.pairs_per_step / count_vertices(columns.vertices));
+  std::size_t from = 0;
+  for (std::uint32_t r = 0; r < search.word_next_row; ++r) from = end_of_vertex(rows.vertices, from);
   reached_.clear();
-  search.similarity.add(now, columns, input_.options.votes, input_.options.min_votes, reached_);
+  for (std::uint64_t n = 0; n < part && from < rows.size(); ++n) {
+    const std::size_t to = end_of_vertex(rows.vertices, from);
+    word_votes_.clear();
+    voter_.vote(rows.signatures.subspan(from, to - from), columns, [this](VertexId column, std::uint32_t given) {
+      word_votes_.push_back({column, given});
+    });
+    search.similarity.add(to_index(rows.vertices[from]), word_votes_, input_.options.min_votes, reached_);
+    from = to;
+    ++search.word_next_row;
+  }
   for (const SimilarityMatrix::Cell& cell : reached_) {
     search.pending.push_back({source(cell.row), target(cell.column), cell.votes});
   }
   state_.candidates_known += reached_.size();
-  search.word_next_row += static_cast<std::uint32_t>(now.size());
-  if (search.word_next_row < rows.size()) return;
+  if (from < rows.size()) return;
   search.word_in_hand = PairSearch::kNoWord;
   search.word_next_row = 0;
   std::ranges::sort(search.pending, [](const Candidate& a, const Candidate& b) {

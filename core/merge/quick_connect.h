@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/merge/pair_merger.h"
+#include "core/retrieval/word_voter.h"
 
 namespace mapweld {
 
@@ -65,10 +66,12 @@ class QuickConnect final : public PairMerger {
     }
   };
   Limits limits_;
+  WordVoter voter_;
   // W's order, following from priorities and word_processed: entries that no longer agree with them are skipped.
   std::priority_queue<QueuedWord> queue_;
   std::vector<SimilarityMatrix::Cell> reached_;  // scratch
   std::vector<std::uint32_t> row_votes_;         // scratch
+  std::vector<VotedVertex> word_votes_;          // scratch
 };
 
 }  // namespace mapweld

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "core/errors.h"
-#include "core/merge/vote_source.h"
 
 namespace mapweld {
 namespace {
@@ -83,34 +82,25 @@ void SimilarityMatrix::append_row(std::span<const std::uint32_t> columns, std::s
   }
 }
 
-void SimilarityMatrix::add(std::span<const Posting> rows, std::span<const Posting> columns, VoteRule rule,
-                           std::uint32_t min_votes, std::vector<Cell>& reached) {
+void SimilarityMatrix::add(std::uint32_t row, std::span<const VotedVertex> columns, std::uint32_t min_votes,
+                           std::vector<Cell>& reached) {
   if (!is_sparse_) {
-    for (const Posting& r : rows) {
-      const std::uint32_t row = to_index(r.vertex);
-      std::uint16_t* const cells = votes_.data() + static_cast<std::size_t>(row) * columns_;
-      for (const Posting& c : columns) {
-        const std::uint32_t column = to_index(c.vertex);
-        if (vote(cells[column], votes_of(rule, r.count, c.count), min_votes)) {
-          reached.push_back({row, column, cells[column]});
-        }
-      }
+    std::uint16_t* const cells = votes_.data() + static_cast<std::size_t>(row) * columns_;
+    for (const VotedVertex& c : columns) {
+      const std::uint32_t column = to_index(c.vertex);
+      if (vote(cells[column], c.votes, min_votes)) reached.push_back({row, column, cells[column]});
     }
     return;
   }
-  column_counts_.resize(columns_, 0);
-  for (const Posting& c : columns) column_counts_[to_index(c.vertex)] = c.count;
-  for (const Posting& r : rows) {
-    const std::uint32_t row = to_index(r.vertex);
-    for (std::uint64_t k = offsets_[row]; k < offsets_[row + 1]; ++k) {
-      const std::uint32_t column = kept_columns_[k];
-      const std::uint16_t count = column_counts_[column];
-      if (count != 0 && vote(votes_[k], votes_of(rule, r.count, count), min_votes)) {
-        reached.push_back({row, column, votes_[k]});
-      }
-    }
+  auto kept = kept_columns_.begin() + static_cast<std::ptrdiff_t>(offsets_[row]);
+  const auto end = kept_columns_.begin() + static_cast<std::ptrdiff_t>(offsets_[row + 1]);
+  for (const VotedVertex& c : columns) {
+    const std::uint32_t column = to_index(c.vertex);
+    kept = std::lower_bound(kept, end, column);
+    if (kept == end) return;
+    std::uint16_t& cell = votes_[static_cast<std::size_t>(kept - kept_columns_.begin())];
+    if (*kept == column && vote(cell, c.votes, min_votes)) reached.push_back({row, column, cell});
   }
-  for (const Posting& c : columns) column_counts_[to_index(c.vertex)] = 0;
 }
 
 std::uint32_t SimilarityMatrix::at(std::uint32_t row, std::uint32_t column) const {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/types.h"
+#include "core/retrieval/voting.h"
 
 namespace mapweld {
 
@@ -39,9 +39,9 @@ class SimilarityMatrix {
   // The same with all their votes already; past 65535 they count as 65535.
   void append_row(std::span<const std::uint32_t> columns, std::span<const std::uint32_t> votes);
 
-  // Adds the votes of one word that the images `rows` and `columns` have. Appends to `reached` the cells whose votes
-  // reach `min_votes` with this word, with their votes now, in order of (row, column).
-  void add(std::span<const Posting> rows, std::span<const Posting> columns, VoteRule rule, std::uint32_t min_votes,
+  // Adds the votes that one word gives a row and some columns (ascending). Appends to `reached` the cells whose votes
+  // reach `min_votes` with this word, with their votes now, in order of columns.
+  void add(std::uint32_t row, std::span<const VotedVertex> columns, std::uint32_t min_votes,
            std::vector<Cell>& reached);
 
   // Votes so far; 0 for a cell that is not kept.
@@ -63,7 +63,6 @@ class SimilarityMatrix {
   std::vector<std::uint64_t> offsets_;
   std::vector<std::uint32_t> kept_columns_;
   std::vector<std::uint16_t> votes_;
-  std::vector<std::uint16_t> column_counts_;  // scratch of `add`, all zero between calls
 };
 
 }  // namespace mapweld

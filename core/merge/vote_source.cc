@@ -4,26 +4,25 @@
 #include <memory>
 
 #include "core/merge/fingerprint.h"
+#include "core/retrieval/word_voter.h"
 
 namespace mapweld {
 namespace {
 
+// A feature of an image.
 struct Occurrence {
   std::uint32_t word;
   std::uint32_t vertex;  // the member's own
-  std::uint16_t count;
+  VoteSignature signature;
 };
 
-// Every word of every image, ordered by image and then word.
+// Every feature of every image, ordered by image and then word.
 std::vector<Occurrence> occurrences_of(const AppearanceSource& appearances, const MergeMember& member) {
   std::vector<Occurrence> result;
   for (std::uint32_t v = 0; v < member.vertices.size(); ++v) {
     const std::shared_ptr<const AppearanceVector> image = appearances.appearances(member.vertices[v]);
-    const std::vector<Appearance>& all = image->appearances;
-    for (std::size_t from = 0, to = 0; from < all.size(); from = to) {
-      while (to < all.size() && all[to].word == all[from].word) ++to;
-      const auto count = static_cast<std::uint16_t>(std::min<std::size_t>(to - from, 65535));
-      result.push_back({to_index(all[from].word), v, count});
+    for (const Appearance& a : image->appearances) {
+      result.push_back({to_index(a.word), v, vote_signature(a.signature)});
     }
   }
   return result;
@@ -41,7 +40,7 @@ std::vector<std::uint32_t> distinct_words(const std::vector<Occurrence>& occurre
 // Puts the occurrences of known words into postings by word. `word_number` gives a word's index, or kUnknown.
 constexpr std::uint32_t kUnknown = 0xFFFFFFFF;
 void fill_postings(const std::vector<Occurrence>& occurrences, const std::vector<std::uint32_t>& word_number,
-                   std::size_t words, std::vector<std::uint64_t>& offsets, std::vector<Posting>& postings) {
+                   std::size_t words, std::vector<std::uint64_t>& offsets, PostingList& postings) {
   offsets.assign(words + 1, 0);
   for (const Occurrence& o : occurrences) {
     if (word_number[o.word] != kUnknown) ++offsets[word_number[o.word] + 1];
@@ -51,13 +50,30 @@ void fill_postings(const std::vector<Occurrence>& occurrences, const std::vector
   std::vector<std::uint64_t> next(offsets.begin(), offsets.end() - 1);
   for (const Occurrence& o : occurrences) {
     const std::uint32_t word = word_number[o.word];
-    if (word != kUnknown) postings[next[word]++] = {VertexId{o.vertex}, o.count};
+    if (word == kUnknown) continue;
+    const std::uint64_t at = next[word]++;
+    postings.vertices[at] = VertexId{o.vertex};
+    postings.signatures[at] = o.signature;
   }
 }
 
+PostingSpan slice(const PostingList& all, const std::vector<std::uint64_t>& offsets, std::uint32_t word) {
+  return PostingSpan(all).part(offsets[word], offsets[word + 1]);
+}
+
 template <typename T>
-std::span<const T> slice(const std::vector<T>& all, const std::vector<std::uint64_t>& offsets, std::uint32_t index) {
-  return std::span(all).subspan(offsets[index], offsets[index + 1] - offsets[index]);
+std::span<const T> row_of(const std::vector<T>& all, const std::vector<std::uint64_t>& offsets, std::uint32_t row) {
+  return std::span(all).subspan(offsets[row], offsets[row + 1] - offsets[row]);
+}
+
+// Calls use(word, signatures of the row's features with it) for each word of a row.
+template <typename Use>
+void for_each_word(const VoteSource& source, std::uint32_t row, Use&& use) {
+  std::span<const VoteSignature> left = source.row_signatures(row);
+  for (const VoteSource::RowWord& w : source.row_words(row)) {
+    use(w.word, left.first(w.count));
+    left = left.subspan(w.count);
+  }
 }
 
 }  // namespace
@@ -80,57 +96,78 @@ WordVotes::WordVotes(const AppearanceSource& appearances, const MergeMember& m1,
   fill_postings(of_columns, word_number, words_.size(), column_offsets_, column_postings_);
 
   row_word_offsets_.assign(1, 0);
+  row_signature_offsets_.assign(1, 0);
   std::size_t next = 0;
   for (std::uint32_t row = 0; row < rows_; ++row) {
     for (; next < of_rows.size() && of_rows[next].vertex == row; ++next) {
       const std::uint32_t word = word_number[of_rows[next].word];
-      if (word != kUnknown) row_words_.push_back({word, of_rows[next].count});
+      if (word == kUnknown) continue;
+      const bool is_new = row_words_.size() == row_word_offsets_.back() || row_words_.back().word != word;
+      if (is_new) row_words_.push_back({word, 0});
+      ++row_words_.back().count;
+      row_signatures_.push_back(of_rows[next].signature);
     }
+    row_signature_offsets_.push_back(row_signatures_.size());
     row_word_offsets_.push_back(row_words_.size());
   }
+}
 
+std::uint64_t WordVotes::fingerprint(VoteRule rule) const {
   Fingerprint hash;
   hash.add(rows_);
   hash.add(columns_);
   for (std::uint32_t w = 0; w < words_.size(); ++w) {
     hash.add(to_index(words_[w]));
-    for (const auto& postings : {row_postings(w), column_postings(w)}) {
-      hash.add(postings.size());
-      for (const Posting& p : postings) hash.add((static_cast<std::uint64_t>(to_index(p.vertex)) << 16) | p.count);
+    for (const PostingSpan& postings : {row_postings(w), column_postings(w)}) {
+      const std::span<const VertexId> vertices = postings.vertices;
+      hash.add(count_vertices(vertices));
+      for (std::size_t from = 0, to = 0; from < vertices.size(); from = to) {
+        to = end_of_vertex(vertices, from);
+        const std::uint64_t count = std::min(to - from, kMostFeaturesOfWord);
+        hash.add((static_cast<std::uint64_t>(to_index(vertices[from])) << 16) | count);
+      }
+      if (rule != VoteRule::kSignatures) continue;
+      for (const VoteSignature signature : postings.signatures) hash.add(signature);
     }
   }
-  fingerprint_ = hash.value();
+  return hash.value();
 }
 
-std::span<const Posting> WordVotes::row_postings(std::uint32_t word) const {
-  return slice(row_postings_, row_offsets_, word);
-}
+PostingSpan WordVotes::row_postings(std::uint32_t word) const { return slice(row_postings_, row_offsets_, word); }
 
-std::span<const Posting> WordVotes::column_postings(std::uint32_t word) const {
+PostingSpan WordVotes::column_postings(std::uint32_t word) const {
   return slice(column_postings_, column_offsets_, word);
 }
 
 std::span<const VoteSource::RowWord> WordVotes::row_words(std::uint32_t row) const {
-  return slice(row_words_, row_word_offsets_, row);
+  return row_of(row_words_, row_word_offsets_, row);
+}
+
+std::span<const VoteSignature> WordVotes::row_signatures(std::uint32_t row) const {
+  return row_of(row_signatures_, row_signature_offsets_, row);
 }
 
 std::uint32_t votes_of_pair(const VoteSource& source, std::uint32_t row, std::uint32_t column, VoteRule rule) {
   std::uint32_t votes = 0;
-  for (const VoteSource::RowWord& w : source.row_words(row)) {
-    const std::span<const Posting> postings = source.column_postings(w.word);
-    const auto found = std::ranges::lower_bound(postings, VertexId{column}, {}, &Posting::vertex);
-    if (found != postings.end() && found->vertex == VertexId{column}) votes += votes_of(rule, w.count, found->count);
-  }
+  WordVoter voter(rule);
+  for_each_word(source, row, [&](std::uint32_t word, std::span<const VoteSignature> features) {
+    const PostingSpan postings = source.column_postings(word);
+    const auto found = std::ranges::lower_bound(postings.vertices, VertexId{column});
+    if (found == postings.vertices.end() || *found != VertexId{column}) return;
+    const auto from = static_cast<std::size_t>(found - postings.vertices.begin());
+    voter.vote(features, postings.part(from, end_of_vertex(postings.vertices, from)),
+               [&votes](VertexId, std::uint32_t given) { votes += given; });
+  });
   return votes;
 }
 
 void votes_of_row(const VoteSource& source, std::uint32_t row, VoteRule rule, std::vector<std::uint32_t>& votes) {
   votes.assign(source.columns(), 0);
-  for (const VoteSource::RowWord& w : source.row_words(row)) {
-    for (const Posting& p : source.column_postings(w.word)) {
-      votes[to_index(p.vertex)] += votes_of(rule, w.count, p.count);
-    }
-  }
+  WordVoter voter(rule);
+  for_each_word(source, row, [&](std::uint32_t word, std::span<const VoteSignature> features) {
+    voter.vote(features, source.column_postings(word),
+               [&votes](VertexId column, std::uint32_t given) { votes[to_index(column)] += given; });
+  });
 }
 
 std::uint64_t count_candidates(const VoteSource& source, VoteRule rule, std::uint32_t min_votes) {

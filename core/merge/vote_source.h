@@ -6,11 +6,12 @@
 #include <vector>
 
 #include "core/merge/merge_input.h"
+#include "core/retrieval/postings.h"
 #include "core/types.h"
 
 namespace mapweld {
 
-// m2's vertices are the rows of S, m1's its columns; `Posting::vertex` is a row or a column, that is the member's own
+// m2's vertices are the rows of S, m1's its columns; a posting's vertex is a row or a column, that is the member's own
 // vertex number. Immutable: any number of threads may read.
 class VoteSource {
  public:
@@ -21,19 +22,21 @@ class VoteSource {
 
   // The words that appear in m2 and in m1, ascending. Everything below names a word by its index here.
   virtual std::span<const WordId> words() const = 0;
-  // Images of m2 (of m1) with the word, ascending, with how often it appears in each.
-  virtual std::span<const Posting> row_postings(std::uint32_t word) const = 0;
-  virtual std::span<const Posting> column_postings(std::uint32_t word) const = 0;
+  // The features with the word in m2 (in m1), ascending by image.
+  virtual PostingSpan row_postings(std::uint32_t word) const = 0;
+  virtual PostingSpan column_postings(std::uint32_t word) const = 0;
 
   struct RowWord {
     std::uint32_t word = 0;
-    std::uint16_t count = 0;
+    std::uint32_t count = 0;  // features with it
   };
-  // The words of an image of m2 (the paper's getWords), ascending.
+  // The words of an image of m2 (the paper's getWords), ascending; and the signatures of its features with them, one
+  // word's after the other's.
   virtual std::span<const RowWord> row_words(std::uint32_t row) const = 0;
+  virtual std::span<const VoteSignature> row_signatures(std::uint32_t row) const = 0;
 
-  // A hash of everything above, by which a checkpoint knows its own input again.
-  virtual std::uint64_t fingerprint() const = 0;
+  // A hash of everything above that votes by `rule` depend on, by which a checkpoint knows its own input again.
+  virtual std::uint64_t fingerprint(VoteRule rule) const = 0;
 };
 
 // The visual words of two members.
@@ -45,26 +48,22 @@ class WordVotes final : public VoteSource {
   std::uint32_t rows() const override { return rows_; }
   std::uint32_t columns() const override { return columns_; }
   std::span<const WordId> words() const override { return words_; }
-  std::span<const Posting> row_postings(std::uint32_t word) const override;
-  std::span<const Posting> column_postings(std::uint32_t word) const override;
+  PostingSpan row_postings(std::uint32_t word) const override;
+  PostingSpan column_postings(std::uint32_t word) const override;
   std::span<const RowWord> row_words(std::uint32_t row) const override;
-  std::uint64_t fingerprint() const override { return fingerprint_; }
+  std::span<const VoteSignature> row_signatures(std::uint32_t row) const override;
+  std::uint64_t fingerprint(VoteRule rule) const override;
 
  private:
   std::uint32_t rows_ = 0;
   std::uint32_t columns_ = 0;
   std::vector<WordId> words_;
   // Compressed sparse rows: the postings of word w are [offsets[w], offsets[w + 1]).
-  std::vector<std::uint64_t> row_offsets_, column_offsets_, row_word_offsets_;
-  std::vector<Posting> row_postings_, column_postings_;
+  std::vector<std::uint64_t> row_offsets_, column_offsets_, row_word_offsets_, row_signature_offsets_;
+  PostingList row_postings_, column_postings_;
   std::vector<RowWord> row_words_;
-  std::uint64_t fingerprint_ = 0;
+  std::vector<VoteSignature> row_signatures_;  // as row_postings_, but by row
 };
-
-// The votes that a word with these counts gives a pair of images.
-constexpr std::uint32_t votes_of(VoteRule rule, std::uint32_t a, std::uint32_t b) {
-  return rule == VoteRule::kMin ? (a < b ? a : b) : a * b;
-}
 
 // The final votes of one pair.
 std::uint32_t votes_of_pair(const VoteSource& source, std::uint32_t row, std::uint32_t column, VoteRule rule);

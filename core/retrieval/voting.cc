@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <span>
 
+#include "core/retrieval/word_voter.h"
+
 namespace mapweld {
 namespace {
 
@@ -15,41 +17,48 @@ std::vector<std::uint32_t>& zeroed_counters(std::uint32_t vertices) {
   return counters;
 }
 
-template <VoteRule kRule>
-void add_votes(std::span<const Posting> postings, std::uint16_t count, std::uint32_t* counters) {
-  for (const Posting& p : postings) counters[to_index(p.vertex)] += word_votes(count, p.count, kRule);
-}
-
-}  // namespace
-
-std::vector<WordCount> count_words(const AppearanceVector& image) {
-  std::vector<WordCount> counts;
-  counts.reserve(image.appearances.size());
-  for (const Appearance& a : image.appearances) {
-    if (counts.empty() || counts.back().word != a.word) {
-      counts.push_back({a.word, 1});
-    } else if (counts.back().count < UINT16_MAX) {
-      ++counts.back().count;
+// The image's words one after the other, each with the signatures of its features.
+class ImageWords {
+ public:
+  explicit ImageWords(const AppearanceVector& image) : appearances_(image.appearances) { next(); }
+  bool done() const { return from_ == appearances_.size(); }
+  WordId word() const { return appearances_[from_].word; }
+  std::span<const VoteSignature> features() const { return features_; }
+  void next() {
+    from_ = to_;
+    features_.clear();
+    for (; to_ < appearances_.size() && appearances_[to_].word == appearances_[from_].word; ++to_) {
+      features_.push_back(vote_signature(appearances_[to_].signature));
     }
   }
-  return counts;
-}
+
+ private:
+  std::span<const Appearance> appearances_;
+  std::size_t from_ = 0, to_ = 0;
+  std::vector<VoteSignature> features_;
+};
+
+}  // namespace
 
 Votes vote(const AppearanceVector& query, const PostingSource& map, VoteRule rule, std::uint32_t min_votes) {
   Votes result;
   const std::uint32_t vertices = map.vertices();
   std::vector<std::uint32_t>& counters = zeroed_counters(vertices);
-  std::vector<Posting> scratch;
+  WordVoter voter(rule);
+  ImageWords words(query);
+  bool is_known = false;
+  const PostingSource::Visitor count = [&](const PostingSource::Piece& piece) {
+    is_known = true;
+    voter.vote(words.features(), piece.postings,
+               [of_map = counters.data(), shift = piece.shift](VertexId vertex, std::uint32_t votes) {
+                 of_map[to_index(vertex) + shift] += votes;
+               });
+  };
   try {
-    for (const WordCount& w : count_words(query)) {
-      const std::span<const Posting> postings = map.view(w.word, scratch);
-      if (postings.empty()) continue;
-      ++result.known_words;
-      if (rule == VoteRule::kProduct) {
-        add_votes<VoteRule::kProduct>(postings, w.count, counters.data());
-      } else {
-        add_votes<VoteRule::kMin>(postings, w.count, counters.data());
-      }
+    for (; !words.done(); words.next()) {
+      is_known = false;
+      map.visit(words.word(), count);
+      result.known_words += is_known ? 1 : 0;
     }
   } catch (...) {
     std::fill_n(counters.begin(), vertices, 0);
@@ -67,18 +76,21 @@ Votes vote(const AppearanceVector& query, const PostingSource& map, VoteRule rul
 }
 
 std::uint32_t pair_votes(const AppearanceVector& a, const AppearanceVector& b, VoteRule rule) {
-  const std::vector<WordCount> of_a = count_words(a);
-  const std::vector<WordCount> of_b = count_words(b);
   std::uint32_t votes = 0;
-  for (auto i = of_a.begin(), j = of_b.begin(); i != of_a.end() && j != of_b.end();) {
-    if (i->word < j->word) {
-      ++i;
-    } else if (j->word < i->word) {
-      ++j;
+  WordVoter voter(rule);
+  std::vector<VertexId> vertices;  // all the same: b is the only other image
+  ImageWords of_a(a), of_b(b);
+  while (!of_a.done() && !of_b.done()) {
+    if (of_a.word() < of_b.word()) {
+      of_a.next();
+    } else if (of_b.word() < of_a.word()) {
+      of_b.next();
     } else {
-      votes += word_votes(i->count, j->count, rule);
-      ++i;
-      ++j;
+      vertices.resize(of_b.features().size());
+      voter.vote(of_a.features(), {vertices, of_b.features()},
+                 [&votes](VertexId, std::uint32_t given) { votes += given; });
+      of_a.next();
+      of_b.next();
     }
   }
   return votes;

@@ -12,6 +12,7 @@ namespace {
 constexpr char kFormat = 'A';
 constexpr std::uint8_t kWithoutSignatures = 1;
 constexpr std::uint8_t kWithSignatures = 2;
+constexpr std::size_t kGridBytes = 8;  // of an appearance: the four columns
 
 float from_grid(std::uint16_t value, float steps_per_unit) { return static_cast<float>(value) / steps_per_unit; }
 
@@ -93,15 +94,23 @@ AppearanceVector decode_appearances(std::span<const std::uint8_t> blob) {
   return image;
 }
 
-void decode_words(std::span<const std::uint8_t> blob, std::vector<WordId>& words) {
+void decode_indexed(std::span<const std::uint8_t> blob, IndexedFeatures& features) {
   ByteReader reader(blob, kFormat, kWithSignatures);
   const Head head = read_head(reader);
-  words.resize(head.appearances);
+  features.words.resize(head.appearances);
+  features.signatures.assign(head.appearances, 0);
   std::uint64_t word = 0;
-  for (WordId& id : words) {
+  for (WordId& id : features.words) {
     word += reader.varint();
     if (word > UINT32_MAX) reader.corrupt("a word is too large");
     id = WordId{static_cast<std::uint32_t>(word)};
+  }
+  if (reader.version() != kWithSignatures) return;
+  reader.raw(std::size_t{head.appearances} * kGridBytes);
+  for (VoteSignature& signature : features.signatures) {
+    Signature whole;
+    for (std::uint32_t& bits : whole.bits) bits = reader.u32();
+    signature = vote_signature(whole);
   }
 }
 

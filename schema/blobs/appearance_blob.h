@@ -8,7 +8,9 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
+#include "core/retrieval/vote_signature.h"
 #include "core/types.h"
 #include "schema/blobs/byte_stream.h"
 
@@ -20,7 +22,12 @@ Bytes encode_appearances(const AppearanceVector& image);
 // Bit for bit what was encoded. Throws StoreError (kCorrupt, kNewerVersion).
 AppearanceVector decode_appearances(std::span<const std::uint8_t> blob);
 
-// Only the words, ascending, as often as they appear: what an inverted index needs.
-void decode_words(std::span<const std::uint8_t> blob, std::vector<WordId>& words);
+// Only what an inverted index needs: the words, ascending, as often as they appear, and each with its signature for
+// votes (core/retrieval/vote_signature.h).
+struct IndexedFeatures {
+  std::vector<WordId> words;
+  std::vector<VoteSignature> signatures;
+};
+void decode_indexed(std::span<const std::uint8_t> blob, IndexedFeatures& features);
 
 }  // namespace mapweld::blobs

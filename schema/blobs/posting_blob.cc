@@ -9,7 +9,10 @@ namespace mapweld::blobs {
 namespace {
 
 constexpr char kFormat = 'P';
-constexpr std::uint8_t kVersion = 1;
+constexpr std::uint8_t kWithoutSignatures = 1;
+constexpr std::uint8_t kWithSignatures = 2;
+constexpr std::ptrdiff_t kSignatureBytes = 8;
+constexpr std::uint64_t kMostOfVertex = 1u << 24;  // no image has so many features
 
 void append_varint(Bytes& bytes, std::uint64_t value) {
   for (; value >= 0x80; value >>= 7) bytes.push_back(static_cast<std::uint8_t>(value | 0x80));
@@ -33,20 +36,26 @@ std::uint64_t read_varint(const std::uint8_t*& at, const std::uint8_t* end) {
 
 }  // namespace
 
-PostingBlockWriter::PostingBlockWriter(VertexId first_vertex, std::size_t target_bytes)
-    : first_vertex_(first_vertex), target_bytes_(target_bytes) {}
+PostingBlockWriter::PostingBlockWriter(VertexId first_vertex, std::size_t target_bytes, bool with_signatures)
+    : first_vertex_(first_vertex), target_bytes_(target_bytes), with_signatures_(with_signatures) {}
 
-void PostingBlockWriter::add(WordId word, std::span<const Posting> postings) {
+void PostingBlockWriter::add(WordId word, const PostingSpan& postings) {
   if (postings.empty()) return;
   const std::size_t begin = lists_.size();
   std::uint32_t next = to_index(first_vertex_);
-  for (const Posting& posting : postings) {
-    const std::uint32_t vertex = to_index(posting.vertex);
-    if (vertex < next || posting.count == 0) throw FormatError("postings do not ascend, or count nothing");
-    const bool more = posting.count > 1;
+  for (std::size_t from = 0, to = 0; from < postings.size(); from = to) {
+    to = end_of_vertex(postings.vertices, from);
+    const std::uint32_t vertex = to_index(postings.vertices[from]);
+    if (vertex < next) throw FormatError("postings do not ascend");
+    const bool more = to - from > 1;
     append_varint(lists_, std::uint64_t{vertex - next} << 1 | static_cast<std::uint64_t>(more));
-    if (more) append_varint(lists_, posting.count - 2U);
+    if (more) append_varint(lists_, to - from - 2);
     next = vertex + 1;
+  }
+  if (with_signatures_) {
+    for (VoteSignature signature : postings.signatures) {
+      for (int i = 0; i < kSignatureBytes; ++i, signature >>= 8) lists_.push_back(static_cast<std::uint8_t>(signature));
+    }
   }
   directory_.emplace_back(word, static_cast<std::uint32_t>(lists_.size() - begin));
   if (lists_.size() + 3 * directory_.size() >= target_bytes_) close();
@@ -54,7 +63,7 @@ void PostingBlockWriter::add(WordId word, std::span<const Posting> postings) {
 
 void PostingBlockWriter::close() {
   if (directory_.empty()) return;
-  ByteWriter writer(kFormat, kVersion);
+  ByteWriter writer(kFormat, with_signatures_ ? kWithSignatures : kWithoutSignatures);
   writer.reserve(lists_.size() + 4 * directory_.size() + 8);
   writer.varint(directory_.size());
   std::uint32_t previous = 0;
@@ -76,8 +85,9 @@ std::vector<PostingBlockWriter::Block> PostingBlockWriter::finish() && {
 }
 
 PostingBlock::PostingBlock(std::span<const std::uint8_t> blob, VertexId first_vertex, std::uint32_t vertices)
-    : first_vertex_(to_index(first_vertex)), vertices_(vertices) {
-  ByteReader reader(blob, kFormat, kVersion);
+    : first_vertex_(to_index(first_vertex)), vertices_(vertices), with_signatures_(false) {
+  ByteReader reader(blob, kFormat, kWithSignatures);
+  with_signatures_ = reader.version() == kWithSignatures;
   directory_.resize(reader.varint32(reader.left()));
   std::uint64_t word = 0;
   std::uint64_t offset = 0;
@@ -96,24 +106,37 @@ PostingBlock::PostingBlock(std::span<const std::uint8_t> blob, VertexId first_ve
   reader.finish();
 }
 
-void PostingBlock::postings(std::size_t i, std::vector<Posting>& out) const {
+void PostingBlock::postings(std::size_t i, PostingList& out) const {
   const Entry& entry = directory_[i];
   const std::uint8_t* at = lists_.data() + entry.begin;
   const std::uint8_t* end = lists_.data() + entry.end;
+  const std::ptrdiff_t bytes_each = with_signatures_ ? kSignatureBytes : 0;
+  std::ptrdiff_t postings = 0;
   std::uint64_t next = 0;
-  while (at != end) {
+  while (end - at > postings * bytes_each) {
     const std::uint64_t head = read_varint(at, end);
     const std::uint64_t vertex = next + (head >> 1);
     if (vertex >= vertices_) corrupt("a posting lies outside its segment");
     std::uint64_t count = 1;
     if ((head & 1) != 0) count = 2 + read_varint(at, end);
-    if (count > UINT16_MAX) corrupt("a count is too large");
-    out.push_back({VertexId{static_cast<std::uint32_t>(first_vertex_ + vertex)}, static_cast<std::uint16_t>(count)});
+    if (count > kMostOfVertex) corrupt("a count is too large");
+    out.vertices.insert(out.vertices.end(), count, VertexId{static_cast<std::uint32_t>(first_vertex_ + vertex)});
+    postings += static_cast<std::ptrdiff_t>(count);
     next = vertex + 1;
+  }
+  if (end - at != postings * bytes_each) corrupt("a list has not one signature a posting");
+  const std::size_t before = out.signatures.size();
+  out.signatures.resize(before + static_cast<std::size_t>(postings), 0);
+  if (!with_signatures_) return;
+  for (std::size_t k = before; k < out.signatures.size(); ++k) {
+    VoteSignature signature = 0;
+    for (std::ptrdiff_t i = kSignatureBytes; i-- > 0;) signature = signature << 8 | at[i];
+    out.signatures[k] = signature;
+    at += kSignatureBytes;
   }
 }
 
-void PostingBlock::find(WordId word, std::vector<Posting>& out) const {
+void PostingBlock::find(WordId word, PostingList& out) const {
   const auto found = std::ranges::lower_bound(directory_, word, {}, &Entry::word);
   if (found == directory_.end() || found->word != word) return;
   postings(static_cast<std::size_t>(found - directory_.begin()), out);

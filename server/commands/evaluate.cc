@@ -50,7 +50,8 @@ struct EvaluateArguments {
   double verifier_ms = 20;
   MergeOptions merge;
   VerifierOptions verifier;
-  bool votes_by_product = false;
+  std::string votes{to_string(MergeOptions{}.votes)};
+  std::uint32_t min_votes = 0;  // 0: the rule's
   std::size_t max_sheet_pairs = 48;
   std::size_t sample_edges = 0;
 };
@@ -167,7 +168,8 @@ std::string command_of(const EvaluateArguments& arguments) {
 
 void run_evaluate(EvaluateArguments arguments) {
   arguments.evaluation.modelled_verifier_s = arguments.verifier_ms / 1000;
-  arguments.merge.votes = arguments.votes_by_product ? VoteRule::kProduct : VoteRule::kMin;
+  arguments.merge.votes = parse_vote_rule(arguments.votes).value_or(arguments.merge.votes);
+  arguments.merge.min_votes = arguments.min_votes > 0 ? arguments.min_votes : default_min_votes(arguments.merge.votes);
   fs::create_directories(arguments.out);
 
   DataFolderOptions inspect;
@@ -255,10 +257,13 @@ void add_evaluate_command(CLI::App& app) {
   command->add_option("--threads", arguments->evaluation.threads, "For eigenvalues; merges are timed on one")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
-  command->add_option("--min-votes", arguments->merge.min_votes, "Votes that make a pair a candidate")
-      ->check(CLI::Range(1u, 65535u))
+  command->add_option("--votes", arguments->votes, "What votes: equal words, or those whose signatures agree")
+      ->check(CLI::IsMember({"min", "product", "signatures"}))
       ->capture_default_str();
-  command->add_flag("--product", arguments->votes_by_product, "Count votes by the rule `product` instead of `min`");
+  command
+      ->add_option("--min-votes", arguments->min_votes,
+                   "Votes that make a pair a candidate (default: 3 by signatures, 10 by words)")
+      ->check(CLI::Range(1u, 65535u));
   command->add_option("--min-inliers", arguments->verifier.min_inliers, "Inliers that make a candidate an edge")
       ->check(CLI::Range(4, 65535))
       ->capture_default_str();

@@ -85,7 +85,7 @@ std::string what_was_merged(const ReportHead& head, const Evaluation& evaluation
   text += row({"joined vertices, independent joins at the end",
                grouped(evaluation.finished.joined_vertices) + ", " + grouped(evaluation.finished.independent_joins)});
   text += row({"parameters", "`min_votes` " + std::to_string(head.merge.min_votes) + ", votes `" +
-                                 (head.merge.votes == VoteRule::kMin ? "min" : "product") + "`, `min_inliers` " +
+                                 std::string(to_string(head.merge.votes)) + "`, `min_inliers` " +
                                  std::to_string(head.verifier.min_inliers) + ", `max_false_alarms` " +
                                  shown(head.verifier.max_false_alarms) + ", verifier `" + head.verifier_version + "`"});
   text += row({"seeds of the randomised methods",

@@ -47,7 +47,7 @@ std::string to_row(const MergeParameters& parameters) {
   return Json{{"min_votes", parameters.min_votes},
               {"min_inliers", parameters.min_inliers},
               {"max_false_alarms", parameters.max_false_alarms},
-              {"votes", parameters.votes == VoteRule::kProduct ? "product" : "min"},
+              {"votes", to_string(parameters.votes)},
               {"alias_guard", parameters.alias_guard},
               {"min_confidence", parameters.min_confidence}}
       .dump();
@@ -95,10 +95,11 @@ std::string to_row(const MergeProgress& progress) {
 MergeParameters parameters_of(const MergeRow& row) {
   return read_json(row, row.parameters, [](const Json& json) {
     MergeParameters p;
-    p.min_votes = json.value("min_votes", p.min_votes);
     p.min_inliers = json.value("min_inliers", p.min_inliers);
     p.max_false_alarms = json.value("max_false_alarms", p.max_false_alarms);
-    p.votes = json.value("votes", "min") == "product" ? VoteRule::kProduct : VoteRule::kMin;
+    // A row of before there were signatures names "min".
+    p.votes = parse_vote_rule(json.value("votes", "min")).value_or(VoteRule::kMin);
+    p.min_votes = json.value("min_votes", default_min_votes(p.votes));
     p.alias_guard = json.value("alias_guard", p.alias_guard);
     p.min_confidence = json.value("min_confidence", p.min_confidence);
     return p;

@@ -16,8 +16,6 @@ std::size_t bytes_of(const AppearanceVector& vector) {
   return sizeof(AppearanceVector) + vector.appearances.size() * sizeof(Appearance) + 32;
 }
 
-bool below(const Posting& posting, VertexId vertex) { return posting.vertex < vertex; }
-
 }  // namespace
 
 LoadedMap::LoadedMap(Store& store, const Reader& db, const MapRow& map)
@@ -34,12 +32,10 @@ LoadedMap::LoadedMap(Store& store, const Reader& db, const MapRow& map)
   memory_bytes_ = index_.memory_bytes() + vertices * kVertexOverhead + 2 * edges.size() * sizeof(VertexId);
 }
 
-void LoadedMap::postings(WordId word, VertexId first, VertexId end, std::vector<Posting>& out) const {
+void LoadedMap::visit(WordId word, VertexId first, VertexId end, const Visitor& visitor) const {
   const std::shared_lock lock(mutex_);
-  const std::span<const Posting> all = index_.postings(word);
-  const auto from = std::lower_bound(all.begin(), all.end(), first, below);
-  const auto to = std::lower_bound(from, all.end(), end, below);
-  out.insert(out.end(), from, to);
+  const PostingSpan part = index_.find(word).between(first, end);
+  if (!part.empty()) visitor(part);
 }
 
 std::shared_ptr<const AppearanceVector> LoadedMap::appearances(VertexId vertex) const {
@@ -69,7 +65,7 @@ VertexId LoadedMap::append(std::shared_ptr<const AppearanceVector> vector, std::
   index_.add(*vector);
   for (const VertexId neighbour : neighbours) neighbours_.at(to_index(neighbour)).push_back(added);
   neighbours_.emplace_back(neighbours.begin(), neighbours.end());
-  memory_bytes_ += bytes_of(*vector) + vector->appearances.size() * sizeof(Posting) + kVertexOverhead +
+  memory_bytes_ += bytes_of(*vector) + vector->appearances.size() * kBytesPerPosting + kVertexOverhead +
                    2 * neighbours.size() * sizeof(VertexId);
   vectors_.push_back(std::move(vector));
   return added;
@@ -111,7 +107,7 @@ void LoadedMap::shed_appearances() {
 }
 
 std::size_t estimated_index_bytes(std::uint32_t vertices, int max_features) {
-  return std::size_t{vertices} * (static_cast<std::size_t>(max_features) * sizeof(Posting) + kVertexOverhead);
+  return std::size_t{vertices} * (static_cast<std::size_t>(max_features) * kBytesPerPosting + kVertexOverhead);
 }
 
 }  // namespace mapweld::server

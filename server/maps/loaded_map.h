@@ -22,7 +22,7 @@ class LoadedMap final : public LeafSource {
   // Reads the map as `db` sees it. `store` must outlive this: vectors are read from it later.
   LoadedMap(Store& store, const Reader& db, const MapRow& map);
 
-  void postings(WordId word, VertexId first, VertexId end, std::vector<Posting>& out) const override;
+  void visit(WordId word, VertexId first, VertexId end, const Visitor& visitor) const override;
   std::shared_ptr<const AppearanceVector> appearances(VertexId vertex) const override;
   void neighbours(VertexId vertex, std::vector<VertexId>& out) const override;
 

@@ -10,11 +10,11 @@ MapSettings settings_of(const contract::MapParameters& requested) {
   MapSettings settings;
   MapParameters& p = settings.parameters;
   p.max_features = requested.max_features.value_or(p.max_features);
-  p.min_votes = static_cast<std::uint32_t>(requested.min_votes.value_or(static_cast<int>(p.min_votes)));
   p.min_inliers = requested.min_inliers.value_or(p.min_inliers);
   p.max_inliers = requested.max_inliers.value_or(p.max_inliers);
   p.verify_top = requested.verify_top.value_or(p.verify_top);
-  if (requested.votes) p.votes = *requested.votes == "product" ? VoteRule::kProduct : VoteRule::kMin;
+  if (requested.votes) p.votes = parse_vote_rule(*requested.votes).value_or(p.votes);
+  p.min_votes = requested.min_votes ? static_cast<std::uint32_t>(*requested.min_votes) : default_min_votes(p.votes);
   if (requested.store_images) settings.store_images = *requested.store_images == "full";
   return settings;
 }
@@ -30,7 +30,7 @@ contract::MapParameters describe(const MapSettings& settings) {
           .min_inliers = p.min_inliers,
           .max_inliers = p.max_inliers,
           .verify_top = p.verify_top,
-          .votes = p.votes == VoteRule::kProduct ? "product" : "min",
+          .votes = std::string(to_string(p.votes)),
           .store_images = settings.store_images ? "full" : "none"};
 }
 

@@ -21,14 +21,12 @@ MapSnapshot::MapSnapshot(MapId map, std::uint32_t vertices, std::shared_ptr<cons
   spans_.push_back({0, map, 0, vertices, std::move(leaf)});
 }
 
-void MapSnapshot::postings(WordId word, std::vector<Posting>& out) const {
+void MapSnapshot::visit(WordId word, const Visitor& visitor) const {
   for (const Span& span : spans_) {
-    const std::size_t begin = out.size();
-    span.leaf->postings(word, VertexId{span.leaf_first}, VertexId{span.leaf_first + span.count}, out);
-    if (span.first == span.leaf_first) continue;
-    for (std::size_t i = begin; i < out.size(); ++i) {
-      out[i].vertex = VertexId{to_index(out[i].vertex) - span.leaf_first + span.first};
-    }
+    span.leaf->visit(word, VertexId{span.leaf_first}, VertexId{span.leaf_first + span.count},
+                     [&visitor, shift = span.first - span.leaf_first](const PostingSpan& part) {
+                       visitor({part, shift});
+                     });
   }
 }
 

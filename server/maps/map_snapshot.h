@@ -40,7 +40,7 @@ class MapSnapshot final : public MapView, private PostingSource {
     std::shared_ptr<const LeafSource> leaf;
   };
 
-  void postings(WordId word, std::vector<Posting>& out) const override;
+  void visit(WordId word, const Visitor& visitor) const override;
   std::uint32_t vertices() const override { return vertices_; }
 
   const Span& span_of(VertexId vertex) const;

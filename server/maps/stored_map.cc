@@ -11,11 +11,12 @@ namespace mapweld::server {
 StoredMap::StoredMap(Store& store, MapId map, VocabularyId vocabulary)
     : db_(store.read()), map_(map), vocabulary_(vocabulary), segments_(db_, load_layout(db_, map), vocabulary) {}
 
-void StoredMap::postings(WordId word, VertexId first, VertexId end, std::vector<Posting>& out) const {
-  std::vector<Posting> all;
-  segments_.postings(word, all);
-  std::copy_if(all.begin(), all.end(), std::back_inserter(out),
-               [&](const Posting& posting) { return posting.vertex >= first && posting.vertex < end; });
+void StoredMap::visit(WordId word, VertexId first, VertexId end, const Visitor& visitor) const {
+  // A plain map is shown in one piece, with its own numbers.
+  segments_.visit(word, [&](const PostingSource::Piece& piece) {
+    const PostingSpan part = piece.postings.between(first, end);
+    if (!part.empty()) visitor(part);
+  });
 }
 
 std::shared_ptr<const AppearanceVector> StoredMap::appearances(VertexId vertex) const {

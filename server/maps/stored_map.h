@@ -14,7 +14,7 @@ class StoredMap final : public LeafSource {
  public:
   StoredMap(Store& store, MapId map, VocabularyId vocabulary);
 
-  void postings(WordId word, VertexId first, VertexId end, std::vector<Posting>& out) const override;
+  void visit(WordId word, VertexId first, VertexId end, const Visitor& visitor) const override;
   std::shared_ptr<const AppearanceVector> appearances(VertexId vertex) const override;
   void neighbours(VertexId vertex, std::vector<VertexId>& out) const override;
 

@@ -4,8 +4,10 @@
 
 #include "client/contract/problem.h"
 #include "core/mapping/localizer.h"
+#include "schema/map_layout.h"
 #include "schema/map_store.h"
 #include "schema/merge_store.h"
+#include "schema/vertex_store.h"
 #include "server/services/times.h"
 
 namespace mapweld::server {
@@ -56,7 +58,7 @@ contract::MergeParameters describe(const MergeParameters& parameters) {
   out.min_votes = static_cast<int>(parameters.min_votes);
   out.min_inliers = parameters.min_inliers;
   out.max_false_alarms = parameters.max_false_alarms;
-  out.votes = parameters.votes == VoteRule::kProduct ? "product" : "min";
+  out.votes = std::string(to_string(parameters.votes));
   out.alias_guard = parameters.alias_guard;
   out.min_confidence = parameters.min_confidence;
   return out;
@@ -149,6 +151,17 @@ contract::Page<Document> describe(const Page<Item>& page) {
 
 }  // namespace
 
+// By signatures, unless the request says otherwise or a member was made before there were signatures.
+VoteRule MergeService::rule_of(const contract::SubmitMerge& request) const {
+  if (request.parameters && request.parameters->votes) return *parse_vote_rule(*request.parameters->votes);
+  const ReadTransaction db = store_.read();
+  for (const std::string& name : request.maps) {
+    const std::optional<MapRow> map = find_map(db, name);
+    if (map && !has_signatures(db, load_layout(db, map->id), map->vocabulary)) return VoteRule::kMin;
+  }
+  return VoteRule::kSignatures;
+}
+
 contract::Merge MergeService::submit(const contract::SubmitMerge& request) {
   contract::check(request);
   MergeRequest merge;
@@ -158,9 +171,9 @@ contract::Merge MergeService::submit(const contract::SubmitMerge& request) {
   merge.seed = static_cast<std::uint64_t>(request.seed.value_or(0));
   // Pairs of different maps are judged as pairs of one map are, unless the request says otherwise.
   const MapParameters mapping;
-  merge.parameters.min_votes = mapping.min_votes;
   merge.parameters.min_inliers = mapping.min_inliers;
-  merge.parameters.votes = mapping.votes;
+  merge.parameters.votes = rule_of(request);
+  merge.parameters.min_votes = default_min_votes(merge.parameters.votes);
   merge.parameters.alias_guard = merge.method == "spectral";  // the others are as the paper has them
   if (request.parameters) {
     const contract::MergeParameters& from = *request.parameters;
@@ -168,7 +181,6 @@ contract::Merge MergeService::submit(const contract::SubmitMerge& request) {
     if (from.min_votes) to.min_votes = static_cast<std::uint32_t>(*from.min_votes);
     if (from.min_inliers) to.min_inliers = *from.min_inliers;
     if (from.max_false_alarms) to.max_false_alarms = *from.max_false_alarms;
-    if (from.votes) to.votes = *from.votes == "product" ? VoteRule::kProduct : VoteRule::kMin;
     if (from.alias_guard) to.alias_guard = *from.alias_guard;
     if (from.min_confidence) to.min_confidence = *from.min_confidence;
   }

@@ -31,6 +31,8 @@ class MergeService {
   void remove(std::int64_t id);
 
  private:
+  VoteRule rule_of(const contract::SubmitMerge& request) const;
+
   Store& store_;
   MergeJobs& jobs_;
   MapOpener& opener_;

@@ -12,19 +12,32 @@
 
 #include "core/merge/merge_metrics.h"
 #include "core/merge/quick_connect.h"
+#include "core/merge/random.h"
 #include "core/merge/run.h"
 #include "core/merge/vote_source.h"
+#include "core/retrieval/word_voter.h"
 #include "schema/blobs/merge_state_blob.h"
 #include "tests/core/merge/toy_maps.h"
 
 namespace mapweld {
 namespace {
 
+// A signature that `word` or another one gives, of which `own` flips one bit in 2^halvings.
+Signature signature_near(Signature from, std::uint64_t word, std::uint64_t own, int halvings) {
+  for (std::uint32_t& bits : from.bits) {
+    std::uint32_t flips = ~0u;
+    for (int k = 0; k < halvings; ++k) flips &= static_cast<std::uint32_t>(next_random(own));
+    bits ^= flips ^ (word == 0 ? 0 : static_cast<std::uint32_t>(next_random(word)));
+  }
+  return from;
+}
+
 // Two robots walk round the same loop. A place has landmarks, each with one of 50,000 words, frequent words more often
 // (Zipf); an image sees those near it, misses some, and adds noise: 300 words an image.
 MergeInput simulated_maps(std::uint32_t first, std::uint32_t second) {
   constexpr std::uint32_t kWords = 50000, kSeen = 300;
   std::mt19937 random(1);
+  std::uint64_t noise = 1;
   const auto unit = [&random] { return static_cast<double>(random()) / 4294967296.0; };
   const auto zipf = [&] { return static_cast<std::uint32_t>(std::pow(kWords, unit()) - 1); };
   const auto any_word = [&] { return unit() < 0.1 ? zipf() : static_cast<std::uint32_t>(unit() * kWords); };
@@ -44,8 +57,13 @@ MergeInput simulated_maps(std::uint32_t first, std::uint32_t second) {
       image.height_px = 240;
       while (image.appearances.size() < kSeen) {
         const auto place = static_cast<std::uint32_t>(at + unit() * 3) % places;
-        const std::uint32_t word = unit() < 0.55 ? any_word() : landmarks[place][random() % 60];
-        image.appearances.push_back({WordId{word}, static_cast<float>(random() % 320), 0, 4, 0});
+        const bool is_noise = unit() < 0.55;
+        const std::uint32_t landmark = random() % 60;
+        const std::uint32_t word = is_noise ? any_word() : landmarks[place][landmark];
+        // Two views of a landmark differ in a tenth of their bits or so, other features of a word in a quarter.
+        const std::uint64_t own = is_noise ? next_random(noise) : (std::uint64_t{place} << 32 | landmark);
+        image.appearances.push_back({WordId{word}, static_cast<float>(random() % 320), 0, 4, 0,
+                                     signature_near(signature_near({}, word, own, 3), 0, next_random(noise), 4)});
       }
       std::sort(image.appearances.begin(), image.appearances.end());
       vectors.push_back(std::make_shared<const AppearanceVector>(std::move(image)));
@@ -82,24 +100,35 @@ void Index(benchmark::State& state) {
 }
 
 // All of S, word by word, as QuickConnect fills it.
-void SimilarityByWords(benchmark::State& state) {
+void SimilarityByWords(benchmark::State& state, VoteRule rule, std::uint32_t min_votes) {
   const MergeInput& input = maps_of(state);
   std::size_t candidates = 0;
   for (auto _ : state) {
     SimilarityMatrix matrix = SimilarityMatrix::dense(input.votes->rows(), input.votes->columns());
     std::vector<SimilarityMatrix::Cell> reached;
+    std::vector<VotedVertex> given;
+    WordVoter voter(rule);
     for (std::uint32_t w = 0; w < input.votes->words().size(); ++w) {
-      matrix.add(input.votes->row_postings(w), input.votes->column_postings(w), VoteRule::kMin, 12, reached);
+      const PostingSpan rows = input.votes->row_postings(w);
+      for (std::size_t from = 0, to = 0; from < rows.size(); from = to) {
+        to = end_of_vertex(rows.vertices, from);
+        given.clear();
+        voter.vote(rows.signatures.subspan(from, to - from), input.votes->column_postings(w),
+                   [&given](VertexId column, std::uint32_t votes) {
+                     given.push_back({column, votes});
+                   });
+        matrix.add(to_index(rows.vertices[from]), given, min_votes, reached);
+      }
     }
     candidates = reached.size();
   }
   state.counters["candidates"] = static_cast<double>(candidates);
 }
 
-void SimilarityByRows(benchmark::State& state) {
+void SimilarityByRows(benchmark::State& state, VoteRule rule, std::uint32_t min_votes) {
   const MergeInput& input = maps_of(state);
   std::uint64_t candidates = 0;
-  for (auto _ : state) candidates = count_candidates(*input.votes, VoteRule::kMin, 12);
+  for (auto _ : state) candidates = count_candidates(*input.votes, rule, min_votes);
   state.counters["candidates"] = static_cast<double>(candidates);
 }
 
@@ -243,8 +272,10 @@ void sizes(benchmark::internal::Benchmark* benchmark) {
   benchmark->Args({1356, 610})->Args({3000, 2000})->Args({6000, 6000})->Unit(benchmark::kMillisecond);
 }
 BENCHMARK(Index)->Apply(sizes);
-BENCHMARK(SimilarityByWords)->Apply(sizes);
-BENCHMARK(SimilarityByRows)->Apply(sizes);
+BENCHMARK_CAPTURE(SimilarityByWords, min, VoteRule::kMin, 12)->Apply(sizes);
+BENCHMARK_CAPTURE(SimilarityByWords, signatures, VoteRule::kSignatures, 3)->Apply(sizes);
+BENCHMARK_CAPTURE(SimilarityByRows, min, VoteRule::kMin, 12)->Apply(sizes);
+BENCHMARK_CAPTURE(SimilarityByRows, signatures, VoteRule::kSignatures, 3)->Apply(sizes);
 BENCHMARK(QuickConnectSteps)->Apply(sizes);
 BENCHMARK(BruteForceSteps)->Apply(sizes);
 BENCHMARK(AlignmentSteps)->Apply(sizes);

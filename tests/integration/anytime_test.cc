@@ -1,10 +1,10 @@
 // Budgets, stops and resumes through the real server; the same edges whatever the method; the same map whatever the
 // number of threads.
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <fstream>
 #include <set>
+
+#include <gtest/gtest.h>
 
 #include "client/client.h"
 #include "tests/integration/map_images.h"
@@ -32,7 +32,7 @@ TEST(Anytime, AThirdOfTheTimeStopsInTimeAndResumeCompletes) {
 
   contract::SubmitMerge request;
   request.maps = {"a", "b"};
-  request.parameters.emplace().min_votes = 3;  // more candidates, a longer merge
+  request.parameters.emplace().min_votes = 1;  // more candidates, a longer merge
   request.name = "whole";
   const auto whole = wait_for(client, client.submit_merge(request)->id);
   ASSERT_EQ(whole.state, "completed");
@@ -100,7 +100,7 @@ TEST(Anytime, TermStopsWithinFiveSecondsAndTheMergeGoesOnByItself) {
     contract::SubmitMerge request;
     request.maps = {"a", "b"};
     request.name = "merged";
-    request.parameters.emplace().min_votes = 3;
+    request.parameters.emplace().min_votes = 1;
     id = client.submit_merge(request)->id;
     while (client.merge(id)->candidates.verified == 0) {
     }
@@ -153,7 +153,8 @@ TEST(SameMap, WhateverTheNumberOfThreads) {
 
   std::string expected;
   for (const int threads : {1, 2, 8}) {
-    ServerProcess server(folder.path() / ("data-" + std::to_string(threads)), {"--extract-threads", std::to_string(threads)});
+    ServerProcess server(folder.path() / ("data-" + std::to_string(threads)),
+                         {"--extract-threads", std::to_string(threads)});
     client::Client client(server.url());
     upload_folder(client, "a", photos, threads);
     const auto got = description(client, "a");

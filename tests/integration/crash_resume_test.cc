@@ -16,7 +16,7 @@ namespace mapweld::testing {
 namespace {
 
 // Many candidates, so that the merge is long; checkpoints often, so that a kill hits between two.
-constexpr int kMinVotes = 3;
+constexpr int kMinVotes = 1;
 const std::vector<std::string> kOptions = {"--checkpoint-interval", "0.02"};
 
 std::int64_t submit(client::Client& client, const std::string& method) {

@@ -93,9 +93,10 @@ TEST(AppearanceBlob, EveryImageComesBackBitForBit) {
     const AppearanceVector image = test::random_appearances(random, static_cast<int>(random.below(600)), 50'000);
     const Bytes blob = encode_appearances(image);
     EXPECT_EQ(decode_appearances(blob), image);
-    std::vector<WordId> words;
-    decode_words(blob, words);
-    EXPECT_TRUE(std::ranges::equal(words, image.appearances, {}, {}, &Appearance::word));
+    IndexedFeatures features;
+    decode_indexed(blob, features);
+    EXPECT_TRUE(std::ranges::equal(features.words, image.appearances, {}, {}, &Appearance::word));
+    EXPECT_EQ(features.signatures, std::vector<VoteSignature>(image.appearances.size(), 0));
     bytes += blob.size();
     appearances += image.appearances.size();
   }
@@ -115,9 +116,11 @@ TEST(AppearanceBlob, SignaturesComeBackWhereThereAreAny) {
   EXPECT_EQ(with.size(), without.size() + 300 * 16);
   EXPECT_EQ(without[1], 1) << "as versions before signatures wrote it";
   EXPECT_EQ(with[1], 2);
-  std::vector<WordId> words;
-  decode_words(with, words);
-  EXPECT_TRUE(std::ranges::equal(words, image.appearances, {}, {}, &Appearance::word));
+  IndexedFeatures features;
+  decode_indexed(with, features);
+  EXPECT_TRUE(std::ranges::equal(features.words, image.appearances, {}, {}, &Appearance::word));
+  EXPECT_TRUE(std::ranges::equal(features.signatures, image.appearances, {}, {},
+                                 [](const Appearance& a) { return vote_signature(a.signature); }));
 }
 
 TEST(AppearanceBlob, TheEndsOfTheGridComeBack) {
@@ -142,8 +145,8 @@ TEST(AppearanceBlob, DamageIsTold) {
   expect_nonsense_is_survived(
       'A', [](const Bytes& blob) { decode_appearances(blob); }, 2);
   expect_nonsense_is_survived('A', [](const Bytes& blob) {
-    std::vector<WordId> words;
-    decode_words(blob, words);
+    IndexedFeatures features;
+    decode_indexed(blob, features);
   });
 }
 
@@ -198,10 +201,11 @@ TEST(JudgementBlob, DamageIsTold) {
 
 struct List {
   WordId word;
-  std::vector<Posting> postings;
+  PostingList postings;
 };
 
-std::vector<List> random_lists(Random& random, std::uint32_t first, std::uint32_t vertices, std::uint32_t words) {
+std::vector<List> random_lists(Random& random, std::uint32_t first, std::uint32_t vertices, std::uint32_t words,
+                               bool with_signatures) {
   std::vector<List> lists;
   for (std::uint32_t word = 0; word < words; ++word) {
     if (random.chance(0.5)) continue;
@@ -209,19 +213,22 @@ std::vector<List> random_lists(Random& random, std::uint32_t first, std::uint32_
     const double density = random.unit() * random.unit();
     for (std::uint32_t v = first; v < first + vertices; ++v) {
       if (!random.chance(density)) continue;
-      const auto count = random.chance(0.8) ? 1 : random.chance(0.9) ? 1 + random.below(5) : 1 + random.below(65'535);
-      list.postings.push_back({VertexId{v}, static_cast<std::uint16_t>(count)});
+      const auto count = random.chance(0.8) ? 1 : random.chance(0.9) ? 1 + random.below(5) : 1 + random.below(400);
+      for (std::uint64_t k = 0; k < count; ++k) {
+        list.postings.add(VertexId{v}, with_signatures ? random.below(UINT64_MAX) : 0);
+      }
     }
-    if (!list.postings.empty()) lists.push_back(std::move(list));
+    if (list.postings.size() > 0) lists.push_back(std::move(list));
   }
   return lists;
 }
 
 TEST(PostingBlob, EveryListComesBackWhateverTheBlocks) {
   Random random(5);
-  for (const std::size_t target : {1UL, 100UL, 3'800UL, 1'000'000UL}) {
-    const auto lists = random_lists(random, 1'000, 300, 200);
-    PostingBlockWriter writer(VertexId{1'000}, target);
+  for (const std::size_t target : {1UL, 100UL, 3'800UL, 1'000'000UL, 101UL, 3'801UL}) {
+    const bool with_signatures = target % 2 == 0;
+    const auto lists = random_lists(random, 1'000, 300, 200, with_signatures);
+    PostingBlockWriter writer(VertexId{1'000}, target, with_signatures);
     for (const List& list : lists) writer.add(list.word, list.postings);
     std::size_t at = 0;
     for (const auto& block : std::move(writer).finish()) {
@@ -231,7 +238,7 @@ TEST(PostingBlob, EveryListComesBackWhateverTheBlocks) {
       for (std::size_t i = 0; i < read.words(); ++i, ++at) {
         ASSERT_LT(at, lists.size());
         EXPECT_EQ(read.word(i), lists[at].word);
-        std::vector<Posting> postings;
+        PostingList postings;
         read.postings(i, postings);
         EXPECT_EQ(postings, lists[at].postings);
         postings.clear();
@@ -239,7 +246,7 @@ TEST(PostingBlob, EveryListComesBackWhateverTheBlocks) {
         EXPECT_EQ(postings, lists[at].postings);
         postings.clear();
         read.find(WordId{to_index(lists[at].word) + 1}, postings);
-        EXPECT_TRUE(postings.empty());
+        EXPECT_EQ(postings.size(), 0U);
       }
     }
     EXPECT_EQ(at, lists.size());
@@ -248,15 +255,17 @@ TEST(PostingBlob, EveryListComesBackWhateverTheBlocks) {
 
 TEST(PostingBlob, DamageIsTold) {
   Random random(6);
-  PostingBlockWriter writer(VertexId{5}, 1'000'000);
-  for (const List& list : random_lists(random, 5, 30, 10)) writer.add(list.word, list.postings);
-  const auto blocks = std::move(writer).finish();
   const auto decode = [](const Bytes& blob) {
     const PostingBlock block(blob, VertexId{5}, 30);
-    std::vector<Posting> postings;
+    PostingList postings;
     for (std::size_t i = 0; i < block.words(); ++i) block.postings(i, postings);
   };
-  expect_damage_is_told(blocks.at(0).bytes, decode);
+  for (const bool with_signatures : {false, true}) {
+    PostingBlockWriter writer(VertexId{5}, 1'000'000, with_signatures);
+    for (const List& list : random_lists(random, 5, 30, 10, with_signatures)) writer.add(list.word, list.postings);
+    const auto blocks = std::move(writer).finish();
+    expect_damage_is_told(blocks.at(0).bytes, decode);
+  }
   expect_nonsense_is_survived('P', decode);
 }
 

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "core/vocabulary/appearance_vector.h"
+#include "tests/core/retrieval/random_images.h"
 
 namespace mapweld::test {
 
@@ -49,14 +50,16 @@ void TempStore::reopen() {
   data_ = std::make_unique<DataFolder>(folder_.path() / "data", options);
 }
 
-AppearanceVector random_appearances(Random& random, int features, std::uint32_t words) {
+AppearanceVector random_appearances(Random& random, int features, std::uint32_t words, bool with_signatures) {
   AppearanceVector image{320, 240, {}};
+  const auto draw = [&random] { return random.below(1U << 30); };
   for (int i = 0; i < features; ++i) {
     const double u = random.unit();
     const auto word = static_cast<std::uint32_t>(u * u * words);
     const Keypoint keypoint{static_cast<float>(random.unit() * 320), static_cast<float>(random.unit() * 240),
                             static_cast<float>(1.5 + random.unit() * 60), static_cast<float>(random.unit() * 360)};
     image.appearances.push_back(snap_to_grid(WordId{word}, keypoint));
+    if (with_signatures) image.appearances.back().signature = signature_for(WordId{word}, draw);
   }
   std::ranges::sort(image.appearances);
   return image;

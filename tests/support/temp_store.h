@@ -65,7 +65,7 @@ class Random {
 };
 
 // An image of 320x240 with `features` appearances on the grid, sorted, of words below `words`; low words are frequent.
-AppearanceVector random_appearances(Random& random, int features, std::uint32_t words);
+AppearanceVector random_appearances(Random& random, int features, std::uint32_t words, bool with_signatures = false);
 
 std::vector<std::uint8_t> random_bytes(Random& random, std::size_t count);
 

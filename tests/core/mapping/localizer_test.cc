@@ -134,7 +134,7 @@ TEST(Localizer, ExplainsFailure) {
   EXPECT_EQ(reason({.width_px = 320, .height_px = 240, .appearances = {}}), Reason::kTooFewFeatures);
   EXPECT_EQ(reason(TableVerifier::image(100, 0, 9)), Reason::kTooFewFeatures);
   EXPECT_EQ(reason(TableVerifier::image(100, 500, 40)), Reason::kNoCandidate);
-  EXPECT_EQ(reason(TableVerifier::image(100, 22, 40)), Reason::kNoCandidate) << "8 votes are below min_votes";
+  EXPECT_EQ(reason(TableVerifier::image(100, 28, 40)), Reason::kNoCandidate) << "2 votes are below min_votes";
   EXPECT_EQ(reason(TableVerifier::image(100, 0, 40)), Reason::kTooFewInliers);
   verifier.set(100, 2, 13, Reason::kNotSignificant);
   EXPECT_EQ(reason(TableVerifier::image(100, 0, 40)), Reason::kNotSignificant);

@@ -41,27 +41,31 @@ MergeInput toy_input(std::uint32_t seed) {
 // Votes as a test wants them: one word for each pair of images, as often as the pair shall have votes.
 class GivenVotes final : public VoteSource {
  public:
-  GivenVotes(std::uint32_t rows, std::uint32_t columns) : columns_(columns), rows_(rows), row_words_(rows) {}
+  GivenVotes(std::uint32_t rows, std::uint32_t columns)
+      : columns_(columns), rows_(rows), row_words_(rows), row_signatures_(rows) {}
   void set(std::uint32_t row, std::uint32_t column, std::uint16_t votes) {
     const auto word = static_cast<std::uint32_t>(words_.size());
     words_.push_back(WordId{word});
-    row_postings_.push_back({{VertexId{row}, votes}});
-    column_postings_.push_back({{VertexId{column}, votes}});
+    row_postings_.push_back({std::vector(votes, VertexId{row}), std::vector<VoteSignature>(votes)});
+    column_postings_.push_back({std::vector(votes, VertexId{column}), std::vector<VoteSignature>(votes)});
     row_words_[row].push_back({word, votes});
+    row_signatures_[row].resize(row_signatures_[row].size() + votes);
   }
   std::uint32_t rows() const override { return rows_; }
   std::uint32_t columns() const override { return columns_; }
   std::span<const WordId> words() const override { return words_; }
-  std::span<const Posting> row_postings(std::uint32_t word) const override { return row_postings_[word]; }
-  std::span<const Posting> column_postings(std::uint32_t word) const override { return column_postings_[word]; }
+  PostingSpan row_postings(std::uint32_t word) const override { return row_postings_[word]; }
+  PostingSpan column_postings(std::uint32_t word) const override { return column_postings_[word]; }
   std::span<const RowWord> row_words(std::uint32_t row) const override { return row_words_[row]; }
-  std::uint64_t fingerprint() const override { return words_.size(); }
+  std::span<const VoteSignature> row_signatures(std::uint32_t row) const override { return row_signatures_[row]; }
+  std::uint64_t fingerprint(VoteRule) const override { return words_.size(); }
 
  private:
   std::uint32_t columns_, rows_;
   std::vector<WordId> words_;
-  std::vector<std::vector<Posting>> row_postings_, column_postings_;
+  std::vector<PostingList> row_postings_, column_postings_;
   std::vector<std::vector<RowWord>> row_words_;
+  std::vector<std::vector<VoteSignature>> row_signatures_;
 };
 
 // m1 is the first member, its columns are vertices 0 ..; m2's rows come after them.

@@ -1,10 +1,13 @@
 #include "tests/core/merge/paper_oracle.h"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <set>
 #include <tuple>
 #include <utility>
+
+#include "tests/core/retrieval/random_images.h"
 
 namespace mapweld::test {
 namespace {
@@ -25,7 +28,18 @@ std::map<WordId, std::uint32_t> words_of(const MergeInput& input, VertexId v) {
   return counts;
 }
 
+AppearanceVector only(const AppearanceVector& image, WordId word) {
+  AppearanceVector part;
+  std::ranges::copy_if(image.appearances, std::back_inserter(part.appearances),
+                       [word](const Appearance& a) { return a.word == word; });
+  return part;
+}
+
 std::uint32_t votes_for(const MergeInput& input, VertexId source, VertexId target, WordId word) {
+  if (input.options.votes == VoteRule::kSignatures) {
+    return votes_by_signatures(only(*input.appearances->appearances(source), word),
+                               only(*input.appearances->appearances(target), word));
+  }
   const std::uint32_t a = words_of(input, source)[word], b = words_of(input, target)[word];
   return input.options.votes == VoteRule::kMin ? std::min(a, b) : a * b;
 }

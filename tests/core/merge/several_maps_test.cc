@@ -13,9 +13,22 @@
 #include "core/merge/vote_source.h"
 #include "tests/core/merge/toy_maps.h"
 #include "tests/core/merge/verdict_log.h"
+#include "tests/core/retrieval/random_images.h"
 
 namespace mapweld {
 namespace {
+
+std::uint32_t votes_by_definition(const AppearanceVector& a, const AppearanceVector& b, VoteRule rule) {
+  if (rule == VoteRule::kSignatures) return test::votes_by_signatures(a, b);
+  std::map<WordId, std::pair<std::uint32_t, std::uint32_t>> counts;
+  for (const Appearance& x : a.appearances) ++counts[x.word].first;
+  for (const Appearance& x : b.appearances) ++counts[x.word].second;
+  std::uint32_t votes = 0;
+  for (const auto& [word, c] : counts) {
+    votes += rule == VoteRule::kMin ? std::min(c.first, c.second) : c.first * c.second;
+  }
+  return votes;
+}
 
 using PairSet = std::set<std::pair<VertexId, VertexId>>;
 
@@ -28,11 +41,7 @@ PairSet edges_by_definition(const MergeInput& input) {
       for (const VertexId u : input.members[i].vertices) {
         for (const VertexId v : input.members[j].vertices) {
           const auto a = input.appearances->appearances(u), b = input.appearances->appearances(v);
-          std::map<WordId, std::pair<std::uint32_t, std::uint32_t>> counts;
-          for (const Appearance& x : a->appearances) ++counts[x.word].first;
-          for (const Appearance& x : b->appearances) ++counts[x.word].second;
-          std::uint32_t votes = 0;
-          for (const auto& [word, c] : counts) votes += votes_of(input.options.votes, c.first, c.second);
+          const std::uint32_t votes = votes_by_definition(*a, *b, input.options.votes);
           if (votes < input.options.min_votes || !input.verifier->verify(*a, *b).accepted) continue;
           edges.emplace(std::min(u, v), std::max(u, v));
         }

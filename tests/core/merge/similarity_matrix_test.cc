@@ -10,12 +10,20 @@
 namespace mapweld {
 namespace {
 
-std::vector<Posting> random_postings(std::mt19937& random, std::uint32_t vertices) {
-  std::vector<Posting> postings;
-  for (std::uint32_t v = 0; v < vertices; ++v) {
-    if (random() % 3 == 0) postings.push_back({VertexId{v}, static_cast<std::uint16_t>(1 + random() % 4)});
+// What a word gives: to some rows, each some columns.
+using WordVotesOfRows = std::vector<std::pair<std::uint32_t, std::vector<VotedVertex>>>;
+
+WordVotesOfRows random_word(std::mt19937& random, std::uint32_t rows, std::uint32_t columns) {
+  WordVotesOfRows word;
+  for (std::uint32_t row = 0; row < rows; ++row) {
+    if (random() % 3 != 0) continue;
+    word.emplace_back(row, std::vector<VotedVertex>{});
+    for (std::uint32_t column = 0; column < columns; ++column) {
+      if (random() % 3 == 0)
+        word.back().second.push_back({VertexId{column}, 1 + static_cast<std::uint32_t>(random() % 4)});
+    }
   }
-  return postings;
+  return word;
 }
 
 // A map of pairs is the oracle; sparse cells are those that reach min_votes in the end.
@@ -23,16 +31,12 @@ TEST(SimilarityMatrix, CountsVotesInEitherLayout) {
   for (std::uint32_t seed = 0; seed < 20; ++seed) {
     std::mt19937 random(seed);
     const std::uint32_t rows = 7, columns = 11, min_votes = 12;
-    const VoteRule rule = seed % 2 == 0 ? VoteRule::kMin : VoteRule::kProduct;
-    std::vector<std::pair<std::vector<Posting>, std::vector<Posting>>> words;
+    std::vector<WordVotesOfRows> words;
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> final_votes;
     for (int w = 0; w < 40; ++w) {
-      words.emplace_back(random_postings(random, rows), random_postings(random, columns));
-      for (const Posting& r : words.back().first) {
-        for (const Posting& c : words.back().second) {
-          final_votes[{to_index(r.vertex), to_index(c.vertex)}] +=
-              rule == VoteRule::kMin ? std::min(r.count, c.count) : r.count * c.count;
-        }
+      words.push_back(random_word(random, rows, columns));
+      for (const auto& [row, given] : words.back()) {
+        for (const VotedVertex& c : given) final_votes[{row, to_index(c.vertex)}] += c.votes;
       }
     }
     SimilarityMatrix dense = SimilarityMatrix::dense(rows, columns);
@@ -46,19 +50,18 @@ TEST(SimilarityMatrix, CountsVotesInEitherLayout) {
     }
     std::size_t all_reached = 0;
     std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> votes;
-    for (const auto& [row_postings, column_postings] : words) {
+    for (const WordVotesOfRows& word : words) {
       std::vector<SimilarityMatrix::Cell> expected, of_dense, of_sparse;
-      for (const Posting& r : row_postings) {
-        for (const Posting& c : column_postings) {
-          std::uint32_t& cell = votes[{to_index(r.vertex), to_index(c.vertex)}];
+      for (const auto& [row, given] : word) {
+        for (const VotedVertex& c : given) {
+          std::uint32_t& cell = votes[{row, to_index(c.vertex)}];
           const std::uint32_t before = cell;
-          cell += rule == VoteRule::kMin ? std::min(r.count, c.count) : r.count * c.count;
-          if (before < min_votes && cell >= min_votes)
-            expected.push_back({to_index(r.vertex), to_index(c.vertex), cell});
+          cell += c.votes;
+          if (before < min_votes && cell >= min_votes) expected.push_back({row, to_index(c.vertex), cell});
         }
+        dense.add(row, given, min_votes, of_dense);
+        sparse.add(row, given, min_votes, of_sparse);
       }
-      dense.add(row_postings, column_postings, rule, min_votes, of_dense);
-      sparse.add(row_postings, column_postings, rule, min_votes, of_sparse);
       EXPECT_EQ(of_dense, expected);
       EXPECT_EQ(of_sparse, expected);
       all_reached += expected.size();
@@ -77,10 +80,9 @@ TEST(SimilarityMatrix, CountsVotesInEitherLayout) {
 TEST(SimilarityMatrix, SaturatesInsteadOfTurningOver) {
   SimilarityMatrix matrix = SimilarityMatrix::dense(1, 1);
   std::vector<SimilarityMatrix::Cell> reached;
-  const std::vector<Posting> many{{VertexId{0}, 60000}};
-  matrix.add(many, many, VoteRule::kMin, 65535, reached);
+  matrix.add(0, std::vector<VotedVertex>{{VertexId{0}, 60000}}, 65535, reached);
   EXPECT_EQ(matrix.at(0, 0), 60000u);
-  matrix.add(many, many, VoteRule::kProduct, 65535, reached);
+  matrix.add(0, std::vector<VotedVertex>{{VertexId{0}, 3600000000}}, 65535, reached);
   EXPECT_EQ(matrix.at(0, 0), 65535u);
   EXPECT_EQ(reached.size(), 1u);
 }
@@ -90,8 +92,7 @@ TEST(SimilarityMatrix, IsRestoredFromItsParts) {
   sparse.append_row(std::vector<std::uint32_t>{1, 4});
   sparse.append_row({});
   std::vector<SimilarityMatrix::Cell> reached;
-  sparse.add(std::vector<Posting>{{VertexId{0}, 2}}, std::vector<Posting>{{VertexId{4}, 3}}, VoteRule::kProduct, 1,
-             reached);
+  sparse.add(0, std::vector<VotedVertex>{{VertexId{4}, 6}}, 1, reached);
   const auto copy = [](const SimilarityMatrix& m) {
     return SimilarityMatrix::restore(m.is_sparse(), m.rows(), m.columns(), {m.offsets().begin(), m.offsets().end()},
                                      {m.kept_columns().begin(), m.kept_columns().end()},

@@ -5,11 +5,12 @@
 #include <utility>
 
 #include "core/merge/random.h"
+#include "tests/core/retrieval/random_images.h"
 
 namespace mapweld::test {
 
 MergeInput make_toy_merge(const ToyWorld& world) {
-  std::mt19937 random(world.seed);
+  std::mt19937 random(world.seed), signatures(world.seed + 1);
   const auto below = [&random](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
   MergeInput input;
   input.members = number_members(world.sizes);
@@ -28,6 +29,9 @@ MergeInput make_toy_merge(const ToyWorld& world) {
                       : world.common_words + place * world.words_per_place + below(world.words_per_place);
         image.appearances.push_back(
             {WordId{word}, static_cast<float>(below(320)), static_cast<float>(below(240)), 4, 0});
+      }
+      if (world.votes == VoteRule::kSignatures && vectors.size() % 6 != 5) {
+        for (Appearance& a : image.appearances) a.signature = signature_for(a.word, signatures);
       }
       std::ranges::sort(image.appearances);
       vectors.push_back(std::make_shared<const AppearanceVector>(std::move(image)));
@@ -53,6 +57,7 @@ ToyWorld toy_world(std::uint32_t seed) {
   world.seed = seed;
   world.sizes = shapes[seed % shapes.size()];
   world.votes = seed % 2 == 0 ? VoteRule::kMin : VoteRule::kProduct;
+  if (seed % 6 == 4) world.votes = VoteRule::kSignatures;
   world.min_votes = 1 + seed % 9;
   world.accept_share = 0.1 + 0.2 * (seed % 5);
   world.places = 3 + seed % 10;

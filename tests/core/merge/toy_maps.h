@@ -19,7 +19,7 @@ struct ToyWorld {
   std::uint32_t common_words = 20;     // and from words that are everywhere
   double accept_share = 0.6;           // of pairs that the verifier accepts
   std::uint32_t min_votes = 4;
-  VoteRule votes = VoteRule::kMin;
+  VoteRule votes = VoteRule::kMin;  // kSignatures: features have signatures, but in every sixth image
   std::string method = "quickconnect";
   std::uint32_t seed = 1;
 };
@@ -28,7 +28,7 @@ struct ToyWorld {
 // way to know it.
 MergeInput make_toy_merge(const ToyWorld& world);
 
-// Worlds of many shapes, one a seed: either map the larger, both of one size, an empty one; both vote rules; strict and
+// Worlds of many shapes, one a seed: either map the larger, both of one size, an empty one; all vote rules; strict and
 // lenient verifiers.
 ToyWorld toy_world(std::uint32_t seed);
 

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/core/merge/toy_maps.h"
+#include "tests/core/retrieval/random_images.h"
 
 namespace mapweld {
 namespace {
@@ -40,14 +41,14 @@ TEST(WordVotes, HoldsTheWordsThatBothMapsHave) {
     for (std::uint32_t w = 0; w < votes.words().size(); ++w) {
       for (const bool is_row : {true, false}) {
         const MergeMember& member = is_row ? m2 : m1;
-        std::vector<Posting> expected;
+        PostingList expected, actual;
         for (std::uint32_t i = 0; i < member.vertices.size(); ++i) {
-          auto counts = count_words_of(input, member.vertices[i]);
-          const auto count = static_cast<std::uint16_t>(counts[votes.words()[w]]);
-          if (count > 0) expected.push_back({VertexId{i}, count});
+          for (const Appearance& a : input.appearances->appearances(member.vertices[i])->appearances) {
+            if (a.word == votes.words()[w]) expected.add(VertexId{i}, vote_signature(a.signature));
+          }
         }
-        const std::span<const Posting> actual = is_row ? votes.row_postings(w) : votes.column_postings(w);
-        EXPECT_EQ(std::vector<Posting>(actual.begin(), actual.end()), expected);
+        actual.append(is_row ? votes.row_postings(w) : votes.column_postings(w));
+        EXPECT_EQ(actual, expected);
       }
     }
     for (std::uint32_t row = 0; row < votes.rows(); ++row) {
@@ -55,7 +56,14 @@ TEST(WordVotes, HoldsTheWordsThatBothMapsHave) {
       for (const auto& [word, count] : count_words_of(input, m2.vertices[row])) {
         if (shared.contains(word)) expected.emplace_back(word, count);
       }
-      for (const VoteSource::RowWord& w : votes.row_words(row)) actual.emplace_back(votes.words()[w.word], w.count);
+      for (const VoteSource::RowWord& w : votes.row_words(row)) {
+        actual.emplace_back(votes.words()[w.word], w.count);
+      }
+      std::vector<VoteSignature> signatures;
+      for (const Appearance& a : input.appearances->appearances(m2.vertices[row])->appearances) {
+        if (shared.contains(a.word)) signatures.push_back(vote_signature(a.signature));
+      }
+      EXPECT_TRUE(std::ranges::equal(votes.row_signatures(row), signatures));
       EXPECT_EQ(actual, expected);
     }
   }
@@ -88,13 +96,57 @@ TEST(WordVotes, GivesTheVotesOfThePaper) {
   EXPECT_GT(greatest, 16u);
 }
 
+TEST(WordVotes, GivesTheVotesOfSignaturesWhicheverMapIsFirst) {
+  std::uint32_t greatest = 0;
+  for (const std::uint32_t seed : {10u, 16u, 22u, 28u}) {
+    const MergeInput input = make_toy_merge(test::toy_world(seed));
+    ASSERT_EQ(input.options.votes, VoteRule::kSignatures);
+    const WordVotes votes(*input.appearances, input.members[0], input.members[1]);
+    const WordVotes swapped(*input.appearances, input.members[1], input.members[0]);
+    std::vector<std::uint32_t> row_votes;
+    for (std::uint32_t row = 0; row < votes.rows(); ++row) {
+      votes_of_row(votes, row, VoteRule::kSignatures, row_votes);
+      for (std::uint32_t column = 0; column < votes.columns(); ++column) {
+        const std::uint32_t expected =
+            test::votes_by_signatures(*input.appearances->appearances(input.members[1].vertices[row]),
+                                      *input.appearances->appearances(input.members[0].vertices[column]));
+        EXPECT_EQ(row_votes[column], expected);
+        EXPECT_EQ(votes_of_pair(votes, row, column, VoteRule::kSignatures), expected);
+        EXPECT_EQ(votes_of_pair(swapped, column, row, VoteRule::kSignatures), expected);
+        greatest = std::max(greatest, expected);
+      }
+    }
+  }
+  EXPECT_GT(greatest, 8u);
+}
+
 TEST(WordVotes, KnowsItsInputAgain) {
   const MergeInput input = make_toy_merge(test::toy_world(19));
   const WordVotes once(*input.appearances, input.members[0], input.members[1]);
   const WordVotes twice(*input.appearances, input.members[0], input.members[1]);
   const WordVotes swapped(*input.appearances, input.members[1], input.members[0]);
-  EXPECT_EQ(once.fingerprint(), twice.fingerprint());
-  EXPECT_NE(once.fingerprint(), swapped.fingerprint());
+  for (const VoteRule rule : {VoteRule::kMin, VoteRule::kSignatures}) {
+    EXPECT_EQ(once.fingerprint(rule), twice.fingerprint(rule));
+    EXPECT_NE(once.fingerprint(rule), swapped.fingerprint(rule));
+  }
+}
+
+// A merge that was begun by words goes on whatever the signatures: its fingerprint is what it was before they voted.
+TEST(WordVotes, SignaturesAreOfTheInputOnlyWhereTheyVote) {
+  const MergeInput input = make_toy_merge(test::toy_world(16));
+  std::vector<std::shared_ptr<const AppearanceVector>> others;
+  for (const MergeMember& member : input.members) {
+    for (const VertexId v : member.vertices) {
+      AppearanceVector image = *input.appearances->appearances(v);
+      for (Appearance& a : image.appearances) a.signature.bits[0] ^= 0x10101010u;
+      others.push_back(std::make_shared<const AppearanceVector>(std::move(image)));
+    }
+  }
+  const WordVotes votes(*input.appearances, input.members[0], input.members[1]);
+  const WordVotes changed(AppearanceTable(others), input.members[0], input.members[1]);
+  EXPECT_EQ(votes.fingerprint(VoteRule::kMin), changed.fingerprint(VoteRule::kMin));
+  EXPECT_EQ(votes.fingerprint(VoteRule::kProduct), changed.fingerprint(VoteRule::kProduct));
+  EXPECT_NE(votes.fingerprint(VoteRule::kSignatures), changed.fingerprint(VoteRule::kSignatures));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "core/retrieval/inverted_index.h"
 
+#include <algorithm>
 #include <map>
 #include <stdexcept>
 #include <vector>
@@ -19,14 +20,12 @@ using ::testing::IsEmpty;
 
 constexpr std::uint32_t kWords = 40;
 
-// word -> postings, by counting every image on its own.
-std::map<WordId, std::vector<Posting>> counted(const std::vector<AppearanceVector>& images, std::uint32_t first = 0) {
-  std::map<WordId, std::vector<Posting>> all;
+// word -> postings, feature by feature.
+std::map<WordId, PostingList> posted(const std::vector<AppearanceVector>& images, std::uint32_t first = 0) {
+  std::map<WordId, PostingList> all;
   for (std::size_t v = 0; v < images.size(); ++v) {
-    std::map<WordId, int> counts;
-    for (const Appearance& a : images[v].appearances) ++counts[a.word];
-    for (const auto& [word, count] : counts) {
-      all[word].push_back({VertexId{first + static_cast<std::uint32_t>(v)}, static_cast<std::uint16_t>(count)});
+    for (const Appearance& a : images[v].appearances) {
+      all[a.word].add(VertexId{first + static_cast<std::uint32_t>(v)}, vote_signature(a.signature));
     }
   }
   return all;
@@ -35,14 +34,14 @@ std::map<WordId, std::vector<Posting>> counted(const std::vector<AppearanceVecto
 struct Segment {
   std::vector<WordId> words;
   std::vector<std::uint32_t> offsets{0};
-  std::vector<Posting> postings;
+  PostingList postings;
 };
 
 Segment segment_of(const std::vector<AppearanceVector>& images, std::uint32_t first) {
   Segment s;
-  for (const auto& [word, list] : counted(images, first)) {
+  for (const auto& [word, list] : posted(images, first)) {
     s.words.push_back(word);
-    s.postings.insert(s.postings.end(), list.begin(), list.end());
+    s.postings.append(list);
     s.offsets.push_back(static_cast<std::uint32_t>(s.postings.size()));
   }
   return s;
@@ -50,10 +49,10 @@ Segment segment_of(const std::vector<AppearanceVector>& images, std::uint32_t fi
 
 void expect_holds(const InvertedIndex& index, const std::vector<AppearanceVector>& images) {
   EXPECT_EQ(index.vertices(), images.size());
-  const auto truth = counted(images);
+  const auto truth = posted(images);
   for (std::uint32_t w = 0; w < kWords + 2; ++w) {
     const auto it = truth.find(WordId{w});
-    EXPECT_THAT(index.postings(WordId{w}), ElementsAreArray(it == truth.end() ? std::vector<Posting>{} : it->second));
+    EXPECT_EQ(index.postings(WordId{w}), it == truth.end() ? PostingList{} : it->second);
   }
 }
 
@@ -69,8 +68,8 @@ TEST(InvertedIndex, ImageWithoutFeaturesIsAVertexToo) {
   index.add({});
   index.add({.width_px = 1, .height_px = 1, .appearances = {{.word = WordId{3}}}});
   EXPECT_EQ(index.vertices(), 2u);
-  EXPECT_THAT(index.postings(WordId{3}), ElementsAre(Posting{VertexId{1}, 1}));
-  EXPECT_THAT(index.postings(WordId{99999}), IsEmpty());
+  EXPECT_THAT(index.postings(WordId{3}).vertices, ElementsAre(VertexId{1}));
+  EXPECT_THAT(index.postings(WordId{99999}).vertices, IsEmpty());
 }
 
 TEST(InvertedIndex, SegmentsAndSingleVerticesMix) {
@@ -98,19 +97,14 @@ TEST(InvertedIndex, TruncateForgetsTheNewest) {
   expect_holds(index, images);
 }
 
-TEST(InvertedIndex, ViewAppendAndSpanAgree) {
-  const auto images = test::random_map(4, 30, kWords, 30);
+TEST(InvertedIndex, ShowsTheSameAsItFinds) {
   InvertedIndex index;
-  for (const AppearanceVector& image : images) index.add(image);
-  const PostingSource& source = index;
-  for (std::uint32_t w = 0; w < kWords; ++w) {
-    std::vector<Posting> appended{{VertexId{7}, 7}};
-    std::vector<Posting> scratch;
-    source.postings(WordId{w}, appended);
-    EXPECT_EQ(appended.front(), (Posting{VertexId{7}, 7}));
-    appended.erase(appended.begin());
-    EXPECT_THAT(source.view(WordId{w}, scratch), ElementsAreArray(appended));
-    EXPECT_THAT(source.PostingSource::view(WordId{w}, scratch), ElementsAreArray(appended));
+  for (const AppearanceVector& image : test::random_map(4, 30, kWords, 30)) index.add(image);
+  for (std::uint32_t w = 0; w < kWords + 2; ++w) {
+    const PostingSpan found = index.find(WordId{w});
+    const PostingList shown = index.postings(WordId{w});
+    EXPECT_THAT(shown.vertices, ElementsAreArray(found.vertices));
+    EXPECT_THAT(shown.signatures, ElementsAreArray(found.signatures));
   }
 }
 
@@ -129,7 +123,7 @@ TEST(InvertedIndex, RefusesTornSegmentsUnchanged) {
   s.offsets.pop_back();
   refused(s);
   s = good;
-  s.postings.pop_back();
+  s.postings.resize(s.postings.size() - 1);
   refused(s);
   s = good;
   std::swap(s.words[0], s.words[1]);
@@ -138,10 +132,13 @@ TEST(InvertedIndex, RefusesTornSegmentsUnchanged) {
   s.words[1] = s.words[0];
   refused(s);
   s = good;
-  std::swap(s.postings[0], s.postings[1]);
+  std::ranges::reverse(s.postings.vertices);
   refused(s);
   s = good;
   s.offsets[1] = s.offsets[2] + 1;
+  refused(s);
+  s = good;
+  s.postings.signatures.pop_back();
   refused(s);
   refused({.words = {}, .offsets = {}, .postings = {}});
   expect_holds(index, images);
@@ -161,9 +158,9 @@ TEST(InvertedIndex, MemoryGrowsWithPostings) {
   std::size_t postings = 0;
   for (const AppearanceVector& image : test::random_map(7, 100, kWords, 50)) {
     index.add(image);
-    for (const auto& [word, list] : counted({image})) postings += list.size();
+    postings += image.appearances.size();
   }
-  EXPECT_GE(index.memory_bytes(), empty + postings * sizeof(Posting));
+  EXPECT_GE(index.memory_bytes(), empty + postings * kBytesPerPosting);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "core/retrieval/voting.h"
 
 #include <algorithm>
+#include <random>
 #include <set>
 #include <stdexcept>
 #include <thread>
@@ -15,6 +16,7 @@ namespace {
 
 // S by the paper's definition: every pair of features, one by one (section III-A); for kMin, matching off equal words.
 std::uint32_t votes_by_pairs(const AppearanceVector& a, const AppearanceVector& b, VoteRule rule) {
+  if (rule == VoteRule::kSignatures) return test::votes_by_signatures(a, b);
   std::uint32_t votes = 0;
   std::vector<bool> taken(b.appearances.size(), false);
   for (const Appearance& p : a.appearances) {
@@ -49,7 +51,8 @@ InvertedIndex index_of(const std::vector<AppearanceVector>& map) {
 }
 
 class VotingByRule : public testing::TestWithParam<VoteRule> {};
-INSTANTIATE_TEST_SUITE_P(Rules, VotingByRule, testing::Values(VoteRule::kMin, VoteRule::kProduct));
+INSTANTIATE_TEST_SUITE_P(Rules, VotingByRule,
+                         testing::Values(VoteRule::kMin, VoteRule::kProduct, VoteRule::kSignatures));
 
 TEST_P(VotingByRule, VotesOfAPairAreCountedOneByOne) {
   const auto map = test::random_map(11, 40, 60, 60);
@@ -91,10 +94,11 @@ TEST_P(VotingByRule, ThreadsWithMapsOfDifferentSizesDoNotDisturbEachOther) {
   EXPECT_EQ(wrong, std::vector<int>(4, 0));
 }
 
-TEST(Voting, MinVotesBoundProductVotes) {
+TEST(Voting, SignaturesBoundMinVotesAndMinVotesProductVotes) {
   const auto map = test::random_map(17, 30, 40, 60);
   for (const AppearanceVector& a : map) {
     for (const AppearanceVector& b : map) {
+      EXPECT_LE(pair_votes(a, b, VoteRule::kSignatures), pair_votes(a, b, VoteRule::kMin));
       EXPECT_LE(pair_votes(a, b, VoteRule::kMin), pair_votes(a, b, VoteRule::kProduct));
       EXPECT_LE(pair_votes(a, b, VoteRule::kMin), std::min(a.appearances.size(), b.appearances.size()));
     }
@@ -120,9 +124,31 @@ TEST(Voting, KnownWordsAreDistinctWordsOfTheMap) {
 TEST(Voting, CountsSaturate) {
   AppearanceVector texture{.width_px = 320, .height_px = 240, .appearances = {}};
   texture.appearances.assign(70000, {.word = WordId{5}});
-  ASSERT_EQ(count_words(texture).size(), 1u);
-  EXPECT_EQ(count_words(texture)[0].count, 65535);
+  const AppearanceVector one{.width_px = 320, .height_px = 240, .appearances = {{.word = WordId{5}}}};
   EXPECT_EQ(pair_votes(texture, texture, VoteRule::kMin), 65535u);
+  EXPECT_EQ(pair_votes(texture, one, VoteRule::kProduct), 65535u);
+  EXPECT_EQ(pair_votes(texture, one, VoteRule::kSignatures), 1u);
+}
+
+// Vertices whose postings are many thousands, in more pieces than are compared at a time, and cut anywhere.
+TEST(Voting, LongListsVoteAsShortOnes) {
+  std::mt19937_64 random(21);
+  const WordId word{3};
+  const auto image_of = [&](int features) {
+    AppearanceVector image{.width_px = 320, .height_px = 240, .appearances = {}};
+    for (int f = 0; f < features; ++f) {
+      image.appearances.push_back({word, static_cast<float>(f), 0, 4, 0, test::signature_for(word, random)});
+    }
+    return image;
+  };
+  std::vector<AppearanceVector> map;
+  for (int v = 0; v < 4000; ++v) map.push_back(image_of(v == 1000 ? 5000 : static_cast<int>(random() % 5)));
+  const InvertedIndex index = index_of(map);
+  for (const int features : {1, 2, 7}) {
+    const AppearanceVector query = image_of(features);
+    EXPECT_EQ(vote(query, index, VoteRule::kSignatures, 1).candidates,
+              votes_by_scan(query, map, VoteRule::kSignatures, 1));
+  }
 }
 
 TEST(Voting, EmptyQueryAndEmptyMapHaveNoCandidates) {
@@ -135,9 +161,11 @@ TEST(Voting, EmptyQueryAndEmptyMapHaveNoCandidates) {
 // A store that cannot be read in the middle of a query.
 class BrokenSource final : public PostingSource {
  public:
-  void postings(WordId word, std::vector<Posting>& out) const override {
+  void visit(WordId word, const Visitor& visitor) const override {
     if (to_index(word) >= 10) throw std::runtime_error("disk");
-    out.push_back({VertexId{0}, 1});
+    PostingList one;
+    one.add(VertexId{0}, 0);
+    visitor({one, 0});
   }
   std::uint32_t vertices() const override { return 3; }
 };

@@ -56,6 +56,7 @@ TEST_P(MergeJobsCrash, KilledAtRandomMomentsEndsTheSame) {
   const auto [method, threads] = GetParam();
   ToyWorld world = test::toy_world(19);
   world.method = method;
+  world.votes = VoteRule::kSignatures;
   world.sizes = {60, 40};
   test::TempStore store;
   test::store_toy_maps(store, world);

@@ -36,7 +36,7 @@ class MapCacheTest : public ::testing::Test {
   }
 
   void add(MapId map) {
-    const AppearanceVector vector = random_appearances(random_, kFeatures, kWords);
+    const AppearanceVector vector = random_appearances(random_, kFeatures, kWords, random_.chance(0.8));
     WriteTransaction db = store_.write();
     const std::uint32_t number = find_map(db, map)->vertices;
     std::vector<NewEdge> edges;
@@ -61,9 +61,9 @@ class MapCacheTest : public ::testing::Test {
   VocabularyId vocabulary_;
 };
 
-std::vector<Posting> postings(const server::LeafSource& map, WordId word, std::uint32_t first, std::uint32_t end) {
-  std::vector<Posting> out;
-  map.postings(word, VertexId{first}, VertexId{end}, out);
+PostingList postings(const server::LeafSource& map, WordId word, std::uint32_t first, std::uint32_t end) {
+  PostingList out;
+  map.visit(word, VertexId{first}, VertexId{end}, [&out](const PostingSpan& part) { out.append(part); });
   return out;
 }
 
@@ -79,9 +79,11 @@ TEST_F(MapCacheTest, InMemoryAndInTheStoreAMapReadsTheSame) {
   }
   for (std::uint32_t word = 0; word < kWords; ++word) {
     for (const auto& [first, end] : {std::pair{0u, 40u}, std::pair{0u, 17u}, std::pair{9u, 33u}, std::pair{5u, 5u}}) {
-      std::vector<Posting> expected;
-      for (const Posting& posting : oracle.postings(WordId{word})) {
-        if (to_index(posting.vertex) >= first && to_index(posting.vertex) < end) expected.push_back(posting);
+      PostingList expected;
+      const PostingSpan all = oracle.find(WordId{word});
+      for (std::size_t k = 0; k < all.size(); ++k) {
+        const std::uint32_t vertex = to_index(all.vertices[k]);
+        if (vertex >= first && vertex < end) expected.add(all.vertices[k], all.signatures[k]);
       }
       EXPECT_EQ(postings(loaded, WordId{word}, first, end), expected);
       EXPECT_EQ(postings(stored, WordId{word}, first, end), expected);

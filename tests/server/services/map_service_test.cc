@@ -46,6 +46,22 @@ TEST(MapService, AMapTellsWhatItIs) {
   EXPECT_TRUE(contract::is_uuid(services.maps().create(named("lab-b")).uuid));
 }
 
+TEST(MapService, FewestVotesAreThoseOfTheRule) {
+  ServicesUnderTest services;
+  contract::CreateMap request = named("lab-a");
+  const contract::Map usual = services.maps().create(request);
+  EXPECT_EQ(usual.parameters.votes, "signatures");
+  EXPECT_EQ(usual.parameters.min_votes, 3);
+  for (const char* rule : {"min", "product"}) {
+    request = named(rule);
+    request.parameters.emplace().votes = rule;
+    EXPECT_EQ(services.maps().create(request).parameters.min_votes, 10) << rule;
+  }
+  request = named("strict");
+  request.parameters.emplace().min_votes = 7;
+  EXPECT_EQ(services.maps().create(request).parameters.min_votes, 7);
+}
+
 TEST(MapService, BrokenRequestsChangeNothing) {
   ServicesUnderTest services;
   contract::CreateMap first = named("lab");

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "client/contract/problem.h"
+#include "schema/blobs/appearance_blob.h"
+#include "schema/map_store.h"
 #include "schema/store_check.h"
+#include "schema/vertex_store.h"
 #include "server/services/graph_export.h"
 #include "tests/server/support/services_under_test.h"
 #include "tests/server/support/test_photos.h"
@@ -72,6 +75,38 @@ TEST_F(MergedMap, ShowsItsMembersUnderNumbersOfItsOwn) {
     EXPECT_GE(edge.v, 4);
     EXPECT_EQ(edge.merge, merge.id);
   }
+}
+
+// As a version stored it that knew no signatures.
+void forget_signatures(Store& store, const std::string& name) {
+  WriteTransaction db = store.write();
+  const MapRow map = find_map(db, name).value();
+  for (std::uint32_t v = 0; v < map.vertices; ++v) {
+    AppearanceVector image = load_appearances(db, map.id, map.vocabulary, VertexId{v});
+    for (Appearance& a : image.appearances) a.signature = {};
+    db.prepare("UPDATE appearances SET bytes = ? WHERE map = ? AND vertex = ?")
+        .bind_all(std::span<const std::uint8_t>(blobs::encode_appearances(image)), map.id, VertexId{v})
+        .run();
+  }
+  db.commit();
+}
+
+TEST_F(MergedMap, IsVotedForBySignaturesWhereAllMembersHaveThem) {
+  const contract::Merge usual = finish(request({"a", "b"}, "ab"));
+  EXPECT_EQ(usual.parameters.votes, "signatures");
+  EXPECT_EQ(usual.parameters.min_votes, 3);
+  forget_signatures(services_.store(), "b");
+  const contract::Merge by_words = finish(request({"a", "b"}, "ab-words"));
+  EXPECT_EQ(by_words.parameters.votes, "min");
+  EXPECT_EQ(by_words.parameters.min_votes, 10);
+  EXPECT_GT(by_words.edges, 0);
+  EXPECT_EQ(finish(request({"ab", "c"}, "abc")).parameters.votes, "min") << "a member's member has none";
+  contract::SubmitMerge asked = request({"a", "b"}, "ab-signatures");
+  asked.parameters.emplace().votes = "signatures";
+  const contract::Merge as_asked = finish(asked);
+  EXPECT_EQ(as_asked.parameters.votes, "signatures");
+  EXPECT_EQ(as_asked.parameters.min_votes, 3);
+  EXPECT_EQ(as_asked.state, "completed");
 }
 
 TEST_F(MergedMap, IsLocalizedInAtOnceAndQualityIsThatOfTheMerge) {

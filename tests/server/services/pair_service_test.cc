@@ -13,6 +13,7 @@
 #include "schema/edge_store.h"
 #include "schema/map_store.h"
 #include "schema/merge_store.h"
+#include "tests/core/retrieval/random_images.h"
 #include "tests/server/jobs/stored_toy_maps.h"
 #include "tests/server/support/services_under_test.h"
 #include "tests/server/support/test_photos.h"
@@ -25,6 +26,7 @@ using server::explain_pair;
 
 // Votes counted the slow way.
 std::uint32_t votes_by_hand(const AppearanceVector& a, const AppearanceVector& b, VoteRule rule) {
+  if (rule == VoteRule::kSignatures) return votes_by_signatures(a, b);
   std::map<WordId, std::uint32_t> in_a, in_b;
   for (const Appearance& one : a.appearances) ++in_a[one.word];
   for (const Appearance& one : b.appearances) ++in_b[one.word];
