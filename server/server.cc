@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <optional>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include <spdlog/spdlog.h>
 
 #include "core/geometry/epipolar_verifier.h"
 #include "schema/data_folder.h"
+#include "schema/map_store.h"
 #include "server/api/api.h"
 #include "server/jobs/merge_jobs.h"
 #include "server/maps/map_cache.h"
@@ -34,7 +38,6 @@ MergeJobOptions job_options(const ServerConfig& config) {
 
 // How long after stop() the images of requests under way are still stored.
 constexpr std::chrono::seconds kUploadGrace{3};
-
 
 }  // namespace
 
@@ -127,6 +130,26 @@ class Server::Impl {
                        [this] { return static_cast<double>(store_.statistics().commits); });
     metrics_.add_gauge("store_wal_pages", "Pages in the write-ahead log after the last commit.",
                        [this] { return static_cast<double>(store_.statistics().wal_pages); });
+    metrics_.add_gauge("edges_verified", "Edges of all maps, inner and inter edges, each once.",
+                       [this] { return static_cast<double>(edges_verified_and_confirmed().first); });
+    metrics_.add_gauge("edges_confirmed", "Of them, those that are edges of their maps.",
+                       [this] { return static_cast<double>(edges_verified_and_confirmed().second); });
+  }
+
+  std::pair<std::uint64_t, std::uint64_t> edges_verified_and_confirmed() {
+    constexpr std::size_t kMapsAtOnce = 1000;
+    std::pair<std::uint64_t, std::uint64_t> counts;
+    const ReadTransaction db = store_.read();
+    std::optional<MapId> last;
+    while (true) {
+      const std::vector<MapRow> maps = list_maps(db, kMapsAtOnce, last);
+      for (const MapRow& map : maps) {
+        counts.first += map.edges;
+        counts.second += map.edges - map.unconfirmed;
+      }
+      if (maps.size() < kMapsAtOnce) return counts;
+      last = maps.back().id;
+    }
   }
 
   Metrics metrics_;

@@ -1,4 +1,5 @@
 // mapweld explain JOB U V
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -34,9 +35,16 @@ std::string image_text(const contract::Vertex& vertex) {
   return printable(vertex.name) + ", vertex " + std::to_string(vertex.member_vertex) + " of " + vertex.map;
 }
 
+// The verifier accepted it, and the guard does not.
+bool is_withheld(const contract::Pair& pair) { return pair.verdict == "accepted" && pair.confirmed == false; }
+
 std::string verdict_text(const Explained& e) {
   const std::string& verdict = e.pair->verdict;
-  if (verdict == "accepted") return "accepted: an edge joins them";
+  if (verdict == "accepted") {
+    if (is_withheld(*e.pair)) return "verified, but NOT an edge of the map: it counts for nothing";
+    return e.pair->confidence ? "an edge of the map: verified and confirmed"
+                              : "an edge of the map: verified, and nobody has judged it further";
+  }
   if (verdict == "rejected") return "rejected: a candidate that was verified and refused";
   if (verdict == "not_candidate") return "not a candidate: the merge never verifies it";
   if (verdict != "pending") return printable(verdict);
@@ -51,7 +59,14 @@ std::string reason_text(const std::string& reason) {
   if (reason == "not_significant") return "chance, or one small thing that both show, could explain the agreement";
   if (reason == "inconsistent")
     return "the matches that agree do not keep their neighbours, or nothing around them matches";
-  if (reason == "unsupported") return "verified, but what surrounds it does not confirm it";
+  if (reason == "unsupported") {
+    return "the two images agree, but so do images of different places that look alike; nothing shows that these two "
+           "are one place";
+  }
+  if (reason == "ambiguous") {
+    return "the two images agree, but so do others that put one of them somewhere else, and nothing decides between "
+           "the two places";
+  }
   return printable(reason);
 }
 
@@ -64,6 +79,31 @@ std::string geometry_text(const contract::Pair& pair) {
     text += "; by chance 1 in 10^" + std::to_string(std::lround(-*pair.log10_false_alarms));
   }
   return text;
+}
+
+std::string confidence_text(const Explained& e) {
+  std::string text = number_text(*e.pair->confidence);
+  if (e.merge.parameters.min_confidence) {
+    text += " (" + number_text(*e.merge.parameters.min_confidence) + " makes an edge of the map)";
+  }
+  return text;
+}
+
+// "31, speaks for it (+2.5): matches on things that ..."
+std::string evidence_text(const contract::Evidence& evidence) {
+  std::string text = number_text(evidence.value);
+  if (evidence.weight && *evidence.weight != 0) {
+    const bool is_for = *evidence.weight > 0;
+    text += std::string(", speaks ") + (is_for ? "for" : "against") + " it (" + (is_for ? "+" : "") +
+            number_text(*evidence.weight) + ")";
+  }
+  if (!evidence.says.empty()) text += ": " + printable(evidence.says);
+  return text;
+}
+
+std::string in_words(std::string name) {
+  std::ranges::replace(name, '_', ' ');
+  return printable(name);
 }
 
 // Matches and inliers are the verifier's of this moment where the merge has no verdict.
@@ -85,7 +125,11 @@ std::string describe(const Explained& e) {
   }
   if (pair.kind) lines.emplace_back("geometry", geometry_text(pair));
   lines.emplace_back("verdict", verdict_text(e));
-  if (pair.reason) lines.emplace_back("reason", reason_text(*pair.reason));
+  if (pair.reason) lines.emplace_back(is_withheld(pair) ? "why not" : "reason", reason_text(*pair.reason));
+  if (pair.confidence) lines.emplace_back("confidence", confidence_text(e));
+  for (const contract::Evidence& evidence : pair.evidence.value_or(std::vector<contract::Evidence>{})) {
+    lines.emplace_back("  " + in_words(evidence.name), evidence_text(evidence));
+  }
   return facts(lines);
 }
 
@@ -93,6 +137,10 @@ std::string title_of(const Explained& e) {
   const contract::Pair& pair = *e.pair;
   const bool candidate = pair.verdict != "not_candidate";
   std::string title = candidate ? pair.verdict : "not a candidate";
+  if (pair.verdict == "accepted") {
+    title = is_withheld(pair) ? "verified, NOT an edge of the map" : "an edge of the map";
+    if (pair.confidence) title += ", confidence " + number_text(*pair.confidence);
+  }
   title += ": " + count_text(pair.votes, "vote");
   if (pair.matches && pair.inliers) {
     title += ", " + count_text(*pair.inliers, "inlier") + " of " + count_text(*pair.matches, "match", "matches");

@@ -13,6 +13,7 @@ struct GraphOptions {
   std::string map;
   std::string format = "svg";
   std::string out;
+  drawing::GraphSvgOptions svg;
 };
 
 int graph(const Context& context, const GraphOptions& options) {
@@ -20,7 +21,7 @@ int graph(const Context& context, const GraphOptions& options) {
   OutputFile out(options.out);
   const std::string format = context.json ? "json" : options.format;
   if (format == "svg") {
-    out.write(drawing::graph_svg(options.map, server.graph(options.map)));
+    out.write(drawing::graph_svg(options.map, server.graph(options.map), options.svg));
   } else {
     server.export_graph(options.map, format, [&](std::string_view bytes) { out.write(bytes); });
   }
@@ -37,6 +38,8 @@ void add_graph_command(CLI::App& app, Context& context) {
   command->add_option("--format", options->format, "svg (the paper's figure 4), graphml, dot, csv or json")
       ->check(CLI::IsMember({"svg", "graphml", "dot", "csv", "json"}))
       ->capture_default_str();
+  command->add_flag("--unconfirmed", options->svg.unconfirmed,
+                    "svg: draw the edges that are verified and not confirmed too, grey and dashed");
   command->add_option("--out", options->out, "A file (default: standard output)");
   command->callback([=, &context] { context.action = [=, &context] { return graph(context, *options); }; });
 }

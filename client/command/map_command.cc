@@ -23,7 +23,7 @@ std::string describe(const contract::Map& map) {
       {"kind", map.kind},
       {"vocabulary", map.vocabulary},
       {"vertices", std::to_string(map.vertices)},
-      {"edges", std::to_string(map.edges)},
+      {"edges", edge_counts_text(map.edge_counts)},
       {"ignored", count_text(map.ignored, "image") + " too similar or identical to others"},
   };
   if (map.merge) {
@@ -79,10 +79,12 @@ int list(const Context& context) {
   } else if (maps->empty()) {
     print("There is no map yet. Make one: mapweld map create NAME\n");
   } else {
-    Table table({"NAME", "KIND", "VERTICES", "EDGES", "IGNORED", "VOCABULARY", "CREATED"}, {2, 3, 4});
+    Table table({"NAME", "KIND", "VERTICES", "CONFIRMED", "VERIFIED", "IGNORED", "VOCABULARY", "CREATED"},
+                {2, 3, 4, 5});
     for (const contract::Map& map : *maps) {
-      table.add({map.name, map.kind, std::to_string(map.vertices), std::to_string(map.edges),
-                 std::to_string(map.ignored), map.vocabulary, time_text(map.created_at)});
+      table.add({map.name, map.kind, std::to_string(map.vertices), std::to_string(map.edge_counts.confirmed),
+                 std::to_string(map.edge_counts.verified), std::to_string(map.ignored), map.vocabulary,
+                 time_text(map.created_at)});
     }
     print(table.text());
   }

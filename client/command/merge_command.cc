@@ -76,6 +76,8 @@ void add_merge_command(CLI::App& app, Context& context) {
       "--alias-guard,!--no-alias-guard", [options](std::int64_t times) { options->parameters.alias_guard = times > 0; },
       "Confirm only edges that fully show their place and that none contradicts, or all of them (default: spectral "
       "guards)");
+  command->add_option("--min-confidence", options->parameters.min_confidence,
+                      "How sure the guard must be of an edge that it confirms, 0 to 1");
   options->budget.add_to(*command);
   CLI::Option* wait = command->add_flag("--wait", options->wait, "Return when the merge has come to rest");
   command->add_flag("--watch", options->watch, "The same, showing its progress")->excludes(wait);

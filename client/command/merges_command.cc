@@ -30,11 +30,12 @@ int list(const Context& context, const MergesOptions& options) {
     print(options.state ? "There is no merge in this state.\n"
                         : "There is no merge yet. Begin one: mapweld merge MAP MAP\n");
   } else {
-    Table table({"ID", "STATE", "PHASE", "METHOD", "MAPS", "EDGES", "CONNECTIVITY", "TIME"}, {0, 5, 6, 7});
+    Table table({"ID", "STATE", "PHASE", "METHOD", "MAPS", "CONFIRMED", "VERIFIED", "CONNECTIVITY", "TIME"},
+                {0, 5, 6, 7, 8});
     for (const contract::Merge& merge : *merges) {
       table.add({std::to_string(merge.id), merge.state, merge.phase, merge.method, members_text(merge),
-                 std::to_string(merge.edges), number_text(merge.largest_component.algebraic_connectivity),
-                 duration_text(merge.elapsed_s)});
+                 std::to_string(merge.edge_counts.confirmed), std::to_string(merge.edge_counts.verified),
+                 number_text(merge.largest_component.algebraic_connectivity), duration_text(merge.elapsed_s)});
     }
     print(table.text());
   }
@@ -57,8 +58,8 @@ std::string describe(const contract::Merge& merge) {
       {"state", merge.state + (merge.stop_reason ? " (" + *merge.stop_reason + ")" : std::string())},
       {"phase", merge.phase + ", step " + std::to_string(merge.step)},
       {"candidates", std::to_string(merge.candidates.verified) + " of " + std::to_string(merge.candidates.known) +
-                         " verified, " + std::to_string(merge.candidates.accepted) + " accepted"},
-      {"edges between the maps", std::to_string(merge.edges)},
+                         " verified, " + std::to_string(merge.candidates.accepted) + " passed"},
+      {"edges between the maps", edge_counts_text(merge.edge_counts)},
       {"components", std::to_string(merge.components) + ", the largest of " +
                          count_text(merge.largest_component.vertices, "vertex", "vertices")},
       {"algebraic connectivity", number_text(merge.algebraic_connectivity) + " of the whole, " +
@@ -76,9 +77,9 @@ std::string describe(const contract::Merge& merge) {
   if (merge.pairs.size() > 1) {
     for (const contract::MemberPair& pair : merge.pairs) {
       lines.emplace_back(pair.maps.front() + " and " + pair.maps.back(),
-                         pair.verdict + ": " + std::to_string(pair.verified) + " verified, " +
-                             std::to_string(pair.confirmed) + " confirmed, " + std::to_string(pair.independent_joins) +
-                             " independent joins");
+                         pair.verdict + ": edges " + edge_counts_text(pair.edge_counts) + "; " +
+                             count_text(pair.verified, "candidate") + " looked at, " +
+                             count_text(pair.independent_joins, "independent join"));
     }
   }
   if (merge.certified_fraction) {
@@ -133,10 +134,13 @@ int edges(const Context& context, std::int64_t id) {
   if (context.json) {
     print_json(edges.json);
   } else {
-    Table table({"U", "V", "VOTES", "INLIERS", "VERIFICATIONS", "TIME"}, {0, 1, 2, 3, 4, 5});
+    Table table({"U", "V", "VOTES", "INLIERS", "VERIFICATIONS", "TIME", "CONFIDENCE", "CONFIRMED"},
+                {0, 1, 2, 3, 4, 5, 6});
     for (const contract::MergeEdge& edge : *edges) {
       table.add({std::to_string(edge.u), std::to_string(edge.v), std::to_string(edge.votes),
-                 std::to_string(edge.inliers), std::to_string(edge.verifications), duration_text(edge.elapsed_s)});
+                 std::to_string(edge.inliers), std::to_string(edge.verifications), duration_text(edge.elapsed_s),
+                 edge.confidence ? number_text(*edge.confidence) : "-",
+                 edge.confirmed ? "yes" : "no: " + edge.reason.value_or("")});
     }
     print(table.text());
   }

@@ -23,7 +23,7 @@ int quality(const Context& context, const std::string& map) {
   const contract::Quality& quality = *answer;
   std::vector<std::pair<std::string, std::string>> lines = {
       {"vertices", std::to_string(quality.vertices)},
-      {"edges", std::to_string(quality.edges)},
+      {"edges", edge_counts_text(quality.edge_counts)},
       {"components", std::to_string(quality.components)},
       {"largest component", count_text(quality.largest_component.vertices, "vertex", "vertices") +
                                 ", algebraic connectivity " +

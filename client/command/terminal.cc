@@ -102,6 +102,13 @@ std::string count_text(std::int64_t count, std::string_view one, std::string_vie
   return std::to_string(count) + " " + (count == 1 ? std::string(one) : plural);
 }
 
+std::string edge_counts_text(const contract::EdgeCounts& counts) {
+  if (counts.verified == 0) return "none verified";
+  const std::string confirmed = std::to_string(counts.confirmed) + " confirmed, ";
+  if (counts.confirmed == counts.verified) return confirmed + "all that were verified";
+  return confirmed + "of " + std::to_string(counts.verified) + " verified";
+}
+
 std::string bar(double fraction, int columns) {
   const bool utf8 = speaks_utf8();
   const int full = static_cast<int>(std::floor(std::clamp(fraction, 0.0, 1.0) * columns));

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "client/contract/edge_counts.h"
 #include "client/contract/json.h"
 
 namespace mapweld::command {
@@ -31,6 +32,9 @@ std::string time_text(const std::string& rfc3339);
 std::string number_text(double number);
 // "1 edge", "2 edges".
 std::string count_text(std::int64_t count, std::string_view one, std::string_view many = "");
+
+// "609 confirmed, of 1511 verified"; "1511 confirmed, all that were verified".
+std::string edge_counts_text(const contract::EdgeCounts& counts);
 
 // [██████░░░░]
 std::string bar(double fraction, int columns);

@@ -72,8 +72,8 @@ std::vector<std::string> panel_lines(const contract::Merge& merge, const std::ve
   }
   lines.push_back("  candidates    " + bar(share(merge.candidates.verified, merge.candidates.known), 24) + " " +
                   std::to_string(merge.candidates.verified) + " of " + std::to_string(merge.candidates.known) +
-                  " verified, " + std::to_string(merge.candidates.accepted) + " accepted");
-  lines.push_back("  edges         " + std::to_string(merge.edges) + " between the maps, joining " +
+                  " verified, " + std::to_string(merge.candidates.accepted) + " passed");
+  lines.push_back("  edges         " + edge_counts_text(merge.edge_counts) + "; the confirmed ones join " +
                   joined_text(merge) + " vertices");
   lines.push_back("  components    " + std::to_string(merge.components) + ", the largest of " +
                   count_text(merge.largest_component.vertices, "vertex", "vertices"));
@@ -91,8 +91,10 @@ std::vector<std::string> panel_lines(const contract::Merge& merge, const std::ve
 std::string progress_line(const contract::Merge& merge) {
   char text[320];
   std::snprintf(text, sizeof text,
-                "%8.2f s  %-12s  edges %-6lld  connectivity %-9s  components %-4lld  verified %lld of %lld candidates",
-                merge.elapsed_s, merge.phase.c_str(), static_cast<long long>(merge.edges),
+                "%8.2f s  %-12s  edges %lld confirmed, %lld verified  connectivity %-9s  components %-4lld  "
+                "candidates %lld of %lld verified",
+                merge.elapsed_s, merge.phase.c_str(), static_cast<long long>(merge.edge_counts.confirmed),
+                static_cast<long long>(merge.edge_counts.verified),
                 number_text(merge.largest_component.algebraic_connectivity).c_str(),
                 static_cast<long long>(merge.components), static_cast<long long>(merge.candidates.verified),
                 static_cast<long long>(merge.candidates.known));
@@ -175,7 +177,11 @@ std::string outcome_text(const contract::Merge& merge) {
   } else {
     text += "is " + merge.state;
   }
-  text += " after " + duration_text(merge.elapsed_s) + ": " + count_text(merge.edges, "edge") + " between the maps.\n" +
+  text += " after " + duration_text(merge.elapsed_s) + ": between the maps are " +
+          count_text(merge.edge_counts.confirmed, "confirmed edge") +
+          (merge.edge_counts.confirmed == merge.edge_counts.verified
+               ? ", all that were verified.\n"
+               : " (of " + std::to_string(merge.edge_counts.verified) + " verified).\n") +
           count_text(merge.components, "component") + ", the largest of " +
           count_text(merge.largest_component.vertices, "vertex", "vertices") + " with algebraic connectivity " +
           number_text(merge.largest_component.algebraic_connectivity) + ".";

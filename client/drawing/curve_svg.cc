@@ -28,7 +28,13 @@ struct PanelSpec {
   double most;
   std::function<double(const CurvePoint&)> value;
   bool of_component;  // says little while the largest component grows: dotted until then
+  std::function<double(const CurvePoint&)> beyond = {};  // what `value` is a part of: a thin grey line
 };
+
+double verified(const CurvePoint& point) { return static_cast<double>(point.edges); }
+double confirmed(const CurvePoint& point) {
+  return point.edge_counts ? static_cast<double>(point.edge_counts->confirmed) : verified(point);
+}
 
 std::string line(double x1, double y1, double x2, double y2, const std::string& style) {
   return "<line x1=\"" + px(x1) + "\" y1=\"" + px(y1) + "\" x2=\"" + px(x2) + "\" y2=\"" + px(y2) + "\" " + style +
@@ -96,14 +102,15 @@ std::optional<double> settled_s(Points points) {
   return first < points.size() ? std::optional(points[first].elapsed_s) : std::nullopt;
 }
 
-std::string draw_line(const PanelSpec& panel, Points points, const Axis& time, const Axis& axis, const char* style) {
+std::string draw_line(const std::function<double(const CurvePoint&)>& value, const char* colour, Points points,
+                      const Axis& time, const Axis& axis, const char* style) {
   if (points.size() < 2) return "";
   std::string path;
   for (const CurvePoint& point : points) {
     path += path.empty() ? "M" : "L";
-    path += px(time.at(point.elapsed_s)) + " " + px(axis.at(panel.value(point)));
+    path += px(time.at(point.elapsed_s)) + " " + px(axis.at(value(point)));
   }
-  return "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + panel.colour + "\" " + style +
+  return "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + colour + "\" " + style +
          " stroke-linejoin=\"round\" stroke-linecap=\"round\"/>\n";
 }
 
@@ -125,9 +132,10 @@ std::string draw_panel(const PanelSpec& panel, Points points, const Axis& time, 
   content += text_at(26, (top + bottom) / 2, panel.title,
                      {.size_px = 12.5, .colour = kInk, .anchor = "middle", .turned_deg = -90});
   const std::size_t dashed = panel.of_component ? growing(points) : 0;
-  content += draw_line(panel, points.first(std::min(dashed + 1, points.size())), time, axis,
+  if (panel.beyond) content += draw_line(panel.beyond, kFaintInk, points, time, axis, "stroke-width=\"1.2\"");
+  content += draw_line(panel.value, panel.colour, points.first(std::min(dashed + 1, points.size())), time, axis,
                        "stroke-width=\"1.6\" stroke-dasharray=\"1 4\"");
-  content += draw_line(panel, points.subspan(dashed), time, axis, "stroke-width=\"2\"");
+  content += draw_line(panel.value, panel.colour, points.subspan(dashed), time, axis, "stroke-width=\"2\"");
   if (points.size() <= 80) {
     for (const CurvePoint& point : points) {
       content += "<circle cx=\"" + px(time.at(point.elapsed_s)) + "\" cy=\"" + px(axis.at(panel.value(point))) +
@@ -175,8 +183,9 @@ std::string subtitle_of(const contract::Merge& merge, Points points) {
   std::string text = merge.method + ", " + merge.state;
   if (!points.empty()) {
     const CurvePoint& last = points.back();
-    text += ": " + std::to_string(last.edges) + " edges between the maps, " + std::to_string(last.verifications) +
-            " verifications, " + std::to_string(last.components) +
+    text += ": " + std::to_string(last.edges) + " verified edges between the maps";
+    if (last.edge_counts) text += ", " + std::to_string(last.edge_counts->confirmed) + " of them confirmed";
+    text += "; " + std::to_string(last.verifications) + " verifications, " + std::to_string(last.components) +
             (last.components == 1 ? " component" : " components") + " after " + shown(last.elapsed_s, 3) + " s";
   }
   return text;
@@ -205,11 +214,14 @@ std::string curve_svg(const contract::Merge& merge, Points points) {
     return largest;
   };
   const auto connectivity = [](const CurvePoint& p) { return p.largest_component.algebraic_connectivity; };
-  const auto edges = [](const CurvePoint& p) { return static_cast<double>(p.edges); };
   const auto size = [](const CurvePoint& p) { return static_cast<double>(p.largest_component.vertices); };
   std::vector<PanelSpec> panels = {
       {"algebraic connectivity \u03BB\u2082", kMemberColours[0], 240, 5, most(connectivity), connectivity, true},
-      {"edges between maps", kInterColour, 150, 4, most(edges), edges, false}};
+      {"edges between maps", kInterColour, 150, 4, most(verified), confirmed, false}};
+  if (std::ranges::any_of(points, [](const CurvePoint& p) { return confirmed(p) != verified(p); })) {
+    panels.back().title = "edges: red confirmed";
+    panels.back().beyond = verified;
+  }
   if (std::any_of(points.begin(), points.end(), [&](const CurvePoint& p) { return size(p) != size(points.back()); })) {
     panels.push_back({"vertices in largest", kMemberColours[1], 110, 3, most(size), size, false});
   }

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "client/drawing/backbone.h"
 #include "client/drawing/graph_layout.h"
 #include "client/drawing/strands.h"
 #include "client/drawing/svg.h"
@@ -24,9 +25,10 @@ constexpr double kMinDrawingHeight = 160;
 
 constexpr double kMaxUnit = 90;
 
-bool is_inner(const Edge& edge) { return edge.kind != "inter"; }
+bool is_inner(const Edge& edge) { return edge.kind != "inter" && edge.confirmed; }
 bool is_join(const Edge& edge) { return edge.kind == "inter" && edge.confirmed; }
-bool is_doubtful(const Edge& edge) { return edge.kind == "inter" && !edge.confirmed; }
+bool is_doubtful(const Edge& edge) { return !edge.confirmed; }
+bool is_doubtful_join(const Edge& edge) { return edge.kind == "inter" && !edge.confirmed; }
 
 struct EdgeStyle {
   const char* colour;
@@ -92,16 +94,19 @@ std::string line_mark(const char* colour, double width, bool dashed) {
          (dashed ? " stroke-dasharray=\"4 3\"" : "") + "/>";
 }
 
-// A graph as it is drawn: edges between vertices that exist, positions, members.
+// A graph as it is drawn: edges between vertices that exist, which of them are drawn, positions, members.
 struct Drawing {
   const Graph& graph;
   std::vector<const Edge*> edges;
   std::vector<LayoutEdge> ends;  // of `edges`, as indices into graph.vertices
+  std::vector<bool> drawn;       // by edge
+  bool is_thinned = false;       // confirmed edges are left out
   std::map<std::string, std::size_t> member_number;
   std::vector<Member> members;
   Layout layout;
 
-  explicit Drawing(const Graph& drawn) : graph(drawn), members(members_of(drawn, member_number)) {
+  Drawing(const Graph& shown, const GraphSvgOptions& options)
+      : graph(shown), members(members_of(shown, member_number)) {
     std::map<std::int64_t, std::size_t> index;  // of a vertex number
     for (std::size_t i = 0; i < graph.vertices.size(); ++i) index.emplace(graph.vertices[i].vertex, i);
     for (const Edge& edge : graph.edges) {
@@ -111,20 +116,52 @@ struct Drawing {
       edges.push_back(&edge);
       ends.push_back({u->second, v->second});
     }
-    layout = layout_graph(graph.vertices.size(), ends);
+    choose_edges(options);
+    std::vector<LayoutEdge> confirmed;
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+      if (edges[e]->confirmed) confirmed.push_back(ends[e]);
+    }
+    layout = layout_graph(graph.vertices.size(), confirmed);
     if (members.size() < 2) return;
     std::vector<std::size_t> group;
     for (const Vertex& vertex : graph.vertices) group.push_back(member_number.at(vertex.map));
-    separate_strands(layout, group, ends);
+    separate_strands(layout, group, confirmed);
+  }
+
+  void choose_edges(const GraphSvgOptions& options) {
+    const auto confirmed = static_cast<double>(count(is_inner) + count(is_join));
+    is_thinned = confirmed > options.dense * static_cast<double>(graph.vertices.size());
+    drawn.assign(edges.size(), true);
+    for (std::size_t e = 0; e < edges.size(); ++e) drawn[e] = edges[e]->confirmed || options.unconfirmed;
+    if (!is_thinned) return;
+    for (const auto& [belongs, strongest] :
+         {std::pair(&is_inner, options.strongest_inner), std::pair(&is_join, options.strongest_inter)}) {
+      std::vector<WeighedEdge> weighed;
+      std::vector<std::size_t> place;
+      for (std::size_t e = 0; e < edges.size(); ++e) {
+        if (!belongs(*edges[e])) continue;
+        weighed.push_back({ends[e].u, ends[e].v, static_cast<double>(edges[e]->inliers)});
+        place.push_back(e);
+      }
+      const std::vector<bool> kept = backbone(graph.vertices.size(), weighed, strongest);
+      for (std::size_t k = 0; k < place.size(); ++k) drawn[place[k]] = kept[k];
+    }
   }
 
   std::size_t count(bool (*belongs)(const Edge&)) const {
     return static_cast<std::size_t>(
         std::count_if(edges.begin(), edges.end(), [&](const Edge* edge) { return belongs(*edge); }));
   }
+  std::size_t count_drawn(bool (*belongs)(const Edge&)) const {
+    std::size_t count = 0;
+    for (std::size_t e = 0; e < edges.size(); ++e) count += drawn[e] && belongs(*edges[e]) ? 1 : 0;
+    return count;
+  }
   std::size_t without_edge() const {
     std::vector<bool> has_edge(graph.vertices.size(), false);
-    for (const LayoutEdge& edge : ends) has_edge[edge.u] = has_edge[edge.v] = true;
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+      if (edges[e]->confirmed) has_edge[ends[e].u] = has_edge[ends[e].v] = true;
+    }
     return static_cast<std::size_t>(std::count(has_edge.begin(), has_edge.end(), false));
   }
 };
@@ -133,23 +170,39 @@ Heading heading_of(const std::string& name, const Drawing& drawing) {
   const std::size_t inner = drawing.count(is_inner);
   const std::size_t joins = drawing.count(is_join);
   const std::size_t doubtful = drawing.count(is_doubtful);
+  const std::size_t doubtful_joins = drawing.count(is_doubtful_join);
   const std::size_t lonely = drawing.without_edge();
   Heading heading;
   heading.title(name);
   std::string counts = number_of(drawing.graph.vertices.size(), "vertex", "vertices");
   if (lonely > 0) counts += " (" + std::to_string(lonely) + " without an edge, in rows at the bottom)";
-  counts += ", " + number_of(drawing.edges.size(), "edge", "edges") + ". Placed by the graph alone";
+  counts += ", " + number_of(inner + joins, "edge", "edges");
+  if (doubtful > 0) counts += " (" + std::to_string(drawing.edges.size()) + " verified)";
+  counts += ". Placed by the graph alone";
   counts += joins > 0 ? "; maps that run together are drawn side by side." : ": near means connected.";
   heading.subtitle(counts);
   const bool merged = drawing.members.size() > 1;
   for (const Member& member : drawing.members) {
     heading.entry(dot_mark(member.colour), member.name + ": " + number_of(member.vertices, "vertex", "vertices"));
   }
+  const auto thinned = [&](bool (*belongs)(const Edge&), std::size_t all) {
+    const std::size_t drawn = drawing.count_drawn(belongs);
+    return drawn < all ? ", the strongest " + std::to_string(drawn) + " drawn" : std::string();
+  };
   heading.entry(line_mark(kInnerColour, 1.4, false),
-                number_of(inner, "edge", "edges") + (merged ? " within a map" : ""));
-  if (merged) heading.entry(line_mark(kInterColour, 1.8, false), number_of(joins, "edge", "edges") + " between maps");
-  if (doubtful > 0) {
-    heading.entry(line_mark(kInterColour, 1.4, true), std::to_string(doubtful) + " between maps, not confirmed");
+                number_of(inner, "edge", "edges") + (merged ? " within a map" : "") + thinned(is_inner, inner));
+  if (merged) {
+    heading.entry(line_mark(kInterColour, 1.8, false),
+                  number_of(joins, "confirmed edge", "confirmed edges") + " between maps" + thinned(is_join, joins));
+  }
+  const std::string fate = drawing.count_drawn(is_doubtful) > 0 ? "" : ", left out";
+  if (doubtful_joins > 0) {
+    heading.entry(line_mark(kInnerColour, 1.4, true),
+                  std::to_string(doubtful_joins) + " between maps are verified only" + fate);
+  }
+  if (doubtful > doubtful_joins) {
+    heading.entry(line_mark(kInnerColour, 1.4, true),
+                  std::to_string(doubtful - doubtful_joins) + " within a map are verified only" + fate);
   }
   return heading;
 }
@@ -182,7 +235,7 @@ std::string draw_edges(const Drawing& drawing, const Scale& scale, bool (*belong
                         px(style.width_px) + "\" stroke-opacity=\"" + px(style.opacity) + "\" stroke-linecap=\"round\"";
   content += style.dashed ? " stroke-dasharray=\"4 3\">\n" : ">\n";
   for (std::size_t i = 0; i < drawing.edges.size(); ++i) {
-    if (!belongs(*drawing.edges[i])) continue;
+    if (!drawing.drawn[i] || !belongs(*drawing.edges[i])) continue;
     const Position a = scale.at(drawing.layout.positions[drawing.ends[i].u]);
     const Position b = scale.at(drawing.layout.positions[drawing.ends[i].v]);
     content += "<line x1=\"" + px(a.x) + "\" y1=\"" + px(a.y) + "\" x2=\"" + px(b.x) + "\" y2=\"" + px(b.y) + "\"/>\n";
@@ -206,18 +259,19 @@ std::string draw_vertices(const Drawing& drawing, const Scale& scale) {
 
 }  // namespace
 
-std::string graph_svg(const std::string& name, const Graph& graph) {
-  const Drawing drawing(graph);
+std::string graph_svg(const std::string& name, const Graph& graph, const GraphSvgOptions& options) {
+  const Drawing drawing(graph, options);
   const Heading heading = heading_of(name, drawing);
   const Scale scale(drawing.layout, heading.bottom());
   const double stroke_px = scale.stroke_px;
   // Many edges a vertex lie on top of one another: fainter ones still show how many.
-  const double fade = std::clamp(
-      std::sqrt(5.0 * static_cast<double>(graph.vertices.size() + 1) / static_cast<double>(drawing.edges.size() + 1)),
-      0.4, 1.0);
+  const double fade =
+      std::clamp(std::sqrt(5.0 * static_cast<double>(graph.vertices.size() + 1) /
+                           static_cast<double>(drawing.count_drawn(is_inner) + drawing.count_drawn(is_join) + 1)),
+                 0.4, 1.0);
   std::string content = heading.content();
+  content += draw_edges(drawing, scale, is_doubtful, "doubtful", {kInnerColour, stroke_px, 0.5, true});
   content += draw_edges(drawing, scale, is_inner, "inner", {kInnerColour, stroke_px, 0.55 * fade, false});
-  content += draw_edges(drawing, scale, is_doubtful, "doubtful", {kInterColour, stroke_px, 0.5, true});
   content += draw_edges(drawing, scale, is_join, "inter", {kInterColour, 1.25 * stroke_px, 0.75 * fade, false});
   content += draw_vertices(drawing, scale);
   const double page_height = heading.bottom() + scale.height_px + 2 * scale.radius_px + kMargin;

@@ -140,13 +140,13 @@ std::vector<RecordedEdge> sampled_edges(const std::vector<RecordedEdge>& edges, 
 
 // Every edge of the finished merge by the names of its images; `right` is empty without a truth.
 std::string edges_csv(const Evaluation& evaluation, const std::array<NamedMap, 2>& named, const Truth* truth) {
-  std::string csv = "a,b,inliers,votes,right\n";
+  std::string csv = "a,b,inliers,votes,right,confidence,confirmed\n";
   for (const RecordedEdge& edge : evaluation.all_edges) {
     const MapPair pair = pair_of(edge, evaluation.member_vertices.front());
     csv += named[0].images[pair.a] + "," + named[1].images[pair.b] + "," + std::to_string(edge.inliers) + "," +
            std::to_string(edge.votes) + ",";
     if (truth != nullptr) csv += truth->is_right(pair.a, pair.b) ? "1" : "0";
-    csv += "\n";
+    csv += "," + (edge.confidence ? std::to_string(*edge.confidence) : "") + (edge.confirmed ? ",1\n" : ",0\n");
   }
   return csv;
 }
@@ -193,6 +193,7 @@ void run_evaluate(EvaluateArguments arguments) {
 
   ProgressBar progress;
   std::ranges::sort(arguments.evaluation.levels);
+  arguments.evaluation.guard = true;
   const Evaluation evaluation = evaluate(input, arguments.evaluation,
                                          [&](const EvaluationProgress& p) { progress.show(p.stage, p.done, p.total); });
   std::optional<TruthResult> judged;

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/merge/alias_guard.h"
 #include "core/merge/vote_source.h"
 #include "server/evaluation/parallel.h"
 
@@ -97,7 +98,23 @@ QualityAtShare quality_at(const MethodResult& method, std::vector<RunCurve>& cur
   return quality;
 }
 
-void run_methods(const MergeInput& input, Evaluation& evaluation, const EvaluationObserver& observer) {
+// Judges the edges of the finished merge, which `verified` has with their verifications.
+void judge_edges(const MergeInput& input, const std::vector<MergeEdge>& verified, Evaluation& evaluation) {
+  const auto verdicts = guard_edges(input.members, input.inner_edges, verified, *input.appearances);
+  std::map<std::pair<VertexId, VertexId>, const GuardVerdict*> by_ends;
+  for (std::size_t e = 0; e < verified.size(); ++e) by_ends[{verified[e].u, verified[e].v}] = &verdicts[e];
+  evaluation.confirmed_edges = 0;
+  for (RecordedEdge& edge : evaluation.all_edges) {
+    const GuardVerdict& verdict = *by_ends.at({edge.u, edge.v});
+    edge.confidence = verdict.confidence;
+    edge.confirmed = verdict.confirmed();
+    *evaluation.confirmed_edges += edge.confirmed ? 1 : 0;
+  }
+}
+
+// `finished` becomes the last state of the baseline, which verifies every candidate.
+void run_methods(const MergeInput& input, Evaluation& evaluation, MergeState& finished,
+                 const EvaluationObserver& observer) {
   const EvaluationOptions& options = evaluation.options;
   for (const std::string& name : options.methods) {
     MethodResult& method = evaluation.methods.emplace_back();
@@ -107,9 +124,10 @@ void run_methods(const MergeInput& input, Evaluation& evaluation, const Evaluati
       MergeInput of_run = input;
       of_run.options.method = name;
       of_run.options.seed = options.seed + run;
-      method.runs.push_back(record_run(std::move(of_run), [&](std::uint64_t verifications) {
+      const auto progress = [&](std::uint64_t verifications) {
         if (observer) observer({stage_of(name, run, runs), verifications, evaluation.candidates});
-      }));
+      };
+      method.runs.push_back(record_run(std::move(of_run), progress, name == kBaseline ? &finished : nullptr));
     }
   }
 }
@@ -187,9 +205,11 @@ Evaluation evaluate(MergeInput input, const EvaluationOptions& options, const Ev
     evaluation.index_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }
   evaluation.candidates = count_candidates(*input.votes, input.options.votes, input.options.min_votes);
-  run_methods(input, evaluation, observer);
+  MergeState finished_state;
+  run_methods(input, evaluation, finished_state, observer);
 
   evaluation.all_edges = union_of_edges(evaluation.methods);
+  if (options.guard) judge_edges(input, finished_state.edges, evaluation);
   const FinalComponent component(input, evaluation.all_edges);
   evaluation.components = component.components();
   evaluation.final_vertices = component.vertices();

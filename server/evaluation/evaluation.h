@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -26,6 +27,7 @@ struct EvaluationOptions {
   std::vector<double> levels{.5, .9, .95, .99};  // shares of the final value, ascending
   double share_of_baseline = 0.1;                // where qualities are compared (figure 5)
   std::uint32_t curve_points = 24;               // wanted for each run, see RunCurve::points
+  bool guard = false;                            // judge the finished merge's edges as the alias guard does
   int threads = 1;                               // for eigenvalues; merging itself has one, so that it can be timed
 };
 
@@ -68,14 +70,15 @@ struct Evaluation {
   EvaluationOptions options;
   std::vector<std::uint32_t> member_vertices;
   std::uint64_t inner_edges = 0;
-  std::uint64_t candidates = 0;         // pairs with min_votes or more
-  double index_s = 0;                   // building the word index, once, charged to nobody
-  std::uint32_t components = 0;         // of the finished merge
-  std::uint32_t final_vertices = 0;     // of its largest component
-  double final_connectivity = 0;        // lambda_2 on it
-  CurvePoint finished;                  // edges, joined vertices and independent joins of the finished merge
-  std::vector<RecordedEdge> all_edges;  // of it, by (u, v); their cost is meaningless
-  std::vector<MethodResult> methods;    // as asked for
+  std::uint64_t candidates = 0;                  // pairs with min_votes or more
+  double index_s = 0;                            // building the word index, once, charged to nobody
+  std::uint32_t components = 0;                  // of the finished merge
+  std::uint32_t final_vertices = 0;              // of its largest component
+  double final_connectivity = 0;                 // lambda_2 on it
+  CurvePoint finished;                           // edges, joined vertices and independent joins of the finished merge
+  std::vector<RecordedEdge> all_edges;           // of it, verified ones, by (u, v); their cost is meaningless
+  std::optional<std::uint64_t> confirmed_edges;  // of them; none: they were not judged
+  std::vector<MethodResult> methods;             // as asked for
 
   const MethodResult* find(std::string_view method) const;
 };

@@ -50,7 +50,7 @@ double on_axis(const Cost& cost, CostAxis axis, double modelled_verifier_s) {
   return cost.elapsed_s - cost.verifier_s + static_cast<double>(cost.verifications) * modelled_verifier_s;
 }
 
-RecordedRun record_run(MergeInput input, const RunProgress& progress) {
+RecordedRun record_run(MergeInput input, const RunProgress& progress, MergeState* last) {
   RecordedRun run;
   run.method = input.options.method;
   run.seed = input.options.seed;
@@ -87,6 +87,7 @@ RecordedRun record_run(MergeInput input, const RunProgress& progress) {
   }
   run.cost = cost_now();
   if (progress) progress(run.cost.verifications);
+  if (last) *last = merger->state();
   return run;
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/merge/merge_input.h"
+#include "core/merge/merge_state.h"
 #include "core/types.h"
 
 namespace mapweld::server::evaluation {
@@ -37,6 +38,9 @@ struct RecordedEdge {
   std::uint32_t inliers = 0;  // its weight
   std::uint32_t votes = 0;
   Cost cost;  // when it was inserted, its own verification included
+  // Of the finished merge, where its edges are judged.
+  std::optional<double> confidence = {};
+  bool confirmed = true;
 };
 
 struct RecordedRun {
@@ -53,7 +57,8 @@ using RunProgress = std::function<void(std::uint64_t verifications)>;
 
 // Merges until done on the calling thread. The clock begins before the merger is made; the word index is not charged
 // when `input.votes` is set. Throws std::invalid_argument as make_merger does.
-RecordedRun record_run(MergeInput input, const RunProgress& progress = {});
+// `last`, when it is given, becomes the merge's last state.
+RecordedRun record_run(MergeInput input, const RunProgress& progress = {}, MergeState* last = nullptr);
 
 // A verifier that looks a verdict up which it has given before. Pairs are known by the addresses of their appearance
 // vectors, which must stay where they are as long as this lives. Thread-safe.

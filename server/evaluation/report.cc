@@ -77,8 +77,11 @@ std::string what_was_merged(const ReportHead& head, const Evaluation& evaluation
   text += row({"vertices", size(0) + " + " + size(1)});
   text += row({"edges within the maps", grouped(static_cast<double>(evaluation.inner_edges))});
   text += row({"candidates (pairs with `min_votes` or more)", grouped(static_cast<double>(evaluation.candidates))});
-  text +=
-      row({"edges between the maps, when all are verified", grouped(static_cast<double>(evaluation.finished.edges))});
+  text += row({"verified edges between the maps, when all candidates are",
+               grouped(static_cast<double>(evaluation.finished.edges))});
+  if (evaluation.confirmed_edges) {
+    text += row({"of them confirmed by the alias guard", grouped(static_cast<double>(*evaluation.confirmed_edges))});
+  }
   text += row({"components of the finished merge", grouped(evaluation.components)});
   text += row({"**final component**: its largest one", grouped(evaluation.final_vertices) + " vertices"});
   text += row({"**final value**: its algebraic connectivity", shown(evaluation.final_connectivity, 6)});
@@ -94,7 +97,8 @@ std::string what_was_merged(const ReportHead& head, const Evaluation& evaluation
   text +=
       "The final value is one and the same for all methods: lambda_2 of the finished merge on its largest "
       "component. Until that component is in one piece, lambda_2 on it is 0. The value after each edge is exact; "
-      "the number of edges to a level is found by bisection, as lambda_2 on a fixed vertex set only grows.\n\n";
+      "the number of edges to a level is found by bisection, as lambda_2 on a fixed vertex set only grows. Edges are "
+      "verified edges throughout: the order of verification is compared, whatever a guard confirms of them.\n\n";
   if (options.memo) {
     text += "**Verdicts were shared between the methods (`--memo`): costs are counted in verifications only.**\n\n";
     return text;
@@ -119,7 +123,7 @@ std::string level_tables(const Evaluation& evaluation) {
       head.insert(head.end(),
                   {"time (s)", "time with a verifier of " + shown(1000 * options.modelled_verifier_s) + " ms (s)"});
     }
-    head.insert(head.end(), {"edges", "joined vertices", "independent joins"});
+    head.insert(head.end(), {"verified edges", "joined vertices", "independent joins"});
     text += row(head) + rule(head.size());
     for (const MethodResult& method : evaluation.methods) {
       const LevelCost& cost = method.levels[l];
@@ -174,7 +178,7 @@ std::string whole_table(const Evaluation& evaluation) {
   std::vector<std::string> head{"method", "verifications"};
   if (!evaluation.options.memo) head.insert(head.end(), {"time (s)", "of it in the verifier (s)", "modelled time (s)"});
   head.emplace_back("exploration ended after");
-  head.emplace_back("ends with all edges");
+  head.emplace_back("ends with all verified edges");
   text += row(head) + rule(head.size());
   for (const MethodResult& method : evaluation.methods) {
     std::vector<std::string> cells{name_of(method), cell(method.verifications, grouped)};
@@ -191,8 +195,8 @@ std::string whole_table(const Evaluation& evaluation) {
       const Cost& end = *first.exploration_end;
       const std::uint64_t edges =
           edges_within(first, CostAxis::kVerifications, 0, static_cast<double>(end.verifications));
-      exploration = grouped(static_cast<double>(edges)) + " edges, " + grouped(static_cast<double>(end.verifications)) +
-                    " verifications";
+      exploration = grouped(static_cast<double>(edges)) + " verified edges, " +
+                    grouped(static_cast<double>(end.verifications)) + " verifications";
       if (!evaluation.options.memo) exploration += ", " + seconds(end.elapsed_s) + " s";
     }
     cells.push_back(exploration);

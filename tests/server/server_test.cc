@@ -83,6 +83,14 @@ TEST_F(ServerTest, KeepsEverythingOverARestart) {
   }
   EXPECT_EQ(merge["state"], "completed");
   EXPECT_GT(merge["edges"], 0);
+  std::int64_t verified = merge["edge_counts"]["verified"];
+  for (const char* map : {"a", "b"}) {
+    verified +=
+        Json::parse(http.Get(std::string("/v1/maps/") + map)->body)["edge_counts"]["verified"].get<std::int64_t>();
+  }
+  const std::string metrics = http.Get("/metrics")->body;
+  EXPECT_THAT(metrics, HasSubstr("\nmapweld_edges_verified " + std::to_string(verified) + "\n"));
+  EXPECT_THAT(metrics, HasSubstr("\nmapweld_edges_confirmed "));
   EXPECT_EQ(Json::parse(http.Get("/v1/vocabularies")->body)["items"].size(), 1u);  // not taken in twice
   EXPECT_EQ(Json::parse(http.Get("/v1/maps/a")->body)["vocabulary"], "words-512");
   EXPECT_EQ(Json::parse(http.Post("/v1/maps/ab/localize", photo_jpeg(1, 2), "image/jpeg")->body)["status"],

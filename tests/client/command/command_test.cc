@@ -22,6 +22,7 @@ Json merge_json(const std::string& state, double elapsed_s = 1.5, int edges = 24
   merge["state"] = state;
   merge["elapsed_s"] = elapsed_s;
   merge["edges"] = edges;
+  merge["edge_counts"] = {{"verified", edges}, {"confirmed", edges / 2}};
   return merge;
 }
 
@@ -111,7 +112,8 @@ TEST_F(Command, ControlCharactersFromTheServerDoNotReachTheTerminal) {
 }
 
 TEST_F(Command, MapsAreMadeListedAndDeleted) {
-  const std::string map = R"({"name":"lab","kind":"map","vocabulary":"indoor-50k","vertices":3,"edges":2,"ignored":1,)"
+  const std::string map = R"({"name":"lab","kind":"map","vocabulary":"indoor-50k","vertices":3,"edges":2,)"
+                          R"("edge_counts":{"verified":4,"confirmed":2},"ignored":1,)"
                           R"("parameters":{"min_votes":12},"extra":7})";
   server.script("POST /v1/maps", 201, map);
   server.script("GET /v1/maps", 200, R"({"items":[)" + map + R"(],"next_cursor":null})");
@@ -120,7 +122,7 @@ TEST_F(Command, MapsAreMadeListedAndDeleted) {
   EXPECT_EQ(made.code, 0);
   EXPECT_EQ(made.out, map + "\n");  // exactly what the server said, unknown fields too
   const Ended list = ask("map list");
-  EXPECT_TRUE(std::regex_search(list.out, std::regex("lab +map +3 +2 +1 +indoor-50k"))) << list.out;
+  EXPECT_TRUE(std::regex_search(list.out, std::regex("lab +map +3 +2 +4 +1 +indoor-50k"))) << list.out;
   const Ended gone = ask("map delete lab");
   EXPECT_EQ(gone.code, 0);
   EXPECT_EQ(gone.out, "Map lab is gone.\n");
@@ -238,9 +240,13 @@ TEST_F(Command, WatchingEndsWithTheMerge) {
   };
   const Ended done = ends_in("budget_exhausted", "--watch");
   EXPECT_EQ(done.code, 0) << done.err;
-  EXPECT_TRUE(std::regex_search(done.out, std::regex("0.50 s +exploration +edges 100 +connectivity 0.0131")))
+  EXPECT_TRUE(std::regex_search(
+      done.out, std::regex("0.50 s +exploration +edges 50 confirmed, 100 verified +connectivity 0.0131")))
       << done.out;
-  EXPECT_NE(done.out.find("Merge 1 has used up its budget after 1.50 s: 247 edges between the maps"), std::string::npos)
+  EXPECT_NE(
+      done.out.find(
+          "Merge 1 has used up its budget after 1.50 s: between the maps are 123 confirmed edges (of 247 verified)."),
+      std::string::npos)
       << done.out;
   EXPECT_EQ(done.out.find('\x1b'), std::string::npos);
   EXPECT_EQ(ends_in("completed", "--watch").code, 0);
@@ -283,13 +289,14 @@ TEST_F(Command, MergesAreListedByDefaultAndActedOnByNumber) {
 TEST_F(Command, FiguresAndExportsGoToFilesWholeOrNotAtAll) {
   server.script("GET /v1/merges/1", 200, merge_json("completed"));
   server.script("GET /v1/merges/1/curve", 200,
-                std::string(R"({"items":[{"step":1,"elapsed_s":0.5,"verifications":3,"edges":2,"components":4,
+                std::string(R"({"items":[{"step":1,"elapsed_s":0.5,"verifications":3,"edges":2,
+                  "edge_counts":{"verified":2,"confirmed":1},"components":4,
                   "algebraic_connectivity":0.0,"largest_component":{"vertices":9,"algebraic_connectivity":0.25},
                   "certified_fraction":null,"phase":"exploration"}],"next_cursor":null})"));
   EXPECT_EQ(ask("merges curve 1 --format svg --out " + in_folder("curve.svg")).code, 0);
   EXPECT_EQ(mapweld::testing::xml_fault(client::read_file(folder.path() / "curve.svg")), "");
   const Ended csv = ask("merges curve 1");
-  EXPECT_NE(csv.out.find("\n1,0.5,3,2,4,0.0,9,0.25,,exploration\n"), std::string::npos) << csv.out;
+  EXPECT_NE(csv.out.find("\n1,0.5,3,2,4,0.0,9,0.25,,exploration,1\n"), std::string::npos) << csv.out;
 
   server.script("GET /v1/maps/lab/graph", 200,
                 std::string(R"({"vertices":[{"vertex":0,"map":"a"},{"vertex":1,"map":"b"}],
@@ -318,8 +325,8 @@ TEST_F(Command, FiguresAndExportsGoToFilesWholeOrNotAtAll) {
 TEST_F(Command, HealthQualityAndVocabularies) {
   server.script("GET /healthz", 200, std::string(R"({"status":"ok"})"));
   server.script("GET /version", 200, std::string(R"({"version":"0.1.0"})"));
-  server.script("GET /v1/maps/lab/quality", 200,
-                std::string(R"({"vertices":1966,"edges":9121,"components":3,"algebraic_connectivity":0.0,
+  server.script("GET /v1/maps/lab/quality", 200, std::string(R"({"vertices":1966,"edges":9121,
+                  "edge_counts":{"verified":9240,"confirmed":9121},"components":3,"algebraic_connectivity":0.0,
                   "weighted_algebraic_connectivity":0.0,
                   "largest_component":{"vertices":1960,"algebraic_connectivity":0.0131},"min_degree":0,
                   "edge_connectivity":0,"joined":[{"map":"lab-a","vertices":320}],"independent_joins":288})"));
@@ -329,6 +336,7 @@ TEST_F(Command, HealthQualityAndVocabularies) {
   EXPECT_NE(ask("health").out.find("mapweld-server 0.1.0"), std::string::npos);
   const Ended quality = ask("quality lab");
   EXPECT_NE(quality.out.find("1960 vertices, algebraic connectivity 0.0131"), std::string::npos) << quality.out;
+  EXPECT_NE(quality.out.find("9121 confirmed, of 9240 verified"), std::string::npos) << quality.out;
   EXPECT_NE(ask("vocabularies").out.find("indoor-50k"), std::string::npos);
   EXPECT_EQ(Json::parse(ask("quality lab --json").out)["independent_joins"], 288);
 }

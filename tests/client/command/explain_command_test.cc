@@ -32,11 +32,12 @@ struct Explain : mapweld::testing::CommandFixture {
     }
   }
   void script_merge(const std::string& state) {
-    server.script("GET /v1/merges/3", 200,
-                  Json{{"id", 3},
-                       {"state", state},
-                       {"map", "lab"},
-                       {"parameters", {{"min_votes", 10}, {"min_inliers", 9}, {"votes", "min"}}}});
+    server.script(
+        "GET /v1/merges/3", 200,
+        Json{{"id", 3},
+             {"state", state},
+             {"map", "lab"},
+             {"parameters", {{"min_votes", 10}, {"min_inliers", 9}, {"votes", "min"}, {"min_confidence", 0.9}}}});
   }
   void script_pair(const std::string& document) { server.script("GET /v1/merges/3/pairs/12/71", 200, document); }
   void expect_says(const std::vector<std::string>& pieces) {
@@ -54,7 +55,7 @@ TEST_F(Explain, SaysWhatBecameOfAPairInPlainWords) {
   script_pair(kAccepted);
   expect_says({"12 and 71 of lab, merge 3", "0012.jpg, vertex 12 of lab-a", "0071.jpg, vertex 11 of lab-b",
                "29 (10 make a candidate)", "41 one-to-one\n", "24 (9 make an edge)",
-               "a fundamental matrix; by chance 1 in 10^47", "accepted: an edge joins them"});
+               "a fundamental matrix; by chance 1 in 10^47", "an edge of the map: verified, and nobody has judged it"});
   EXPECT_EQ(ask("explain 3 12 71").out.find("reason"), std::string::npos);
   EXPECT_EQ(server.requests()[0], "GET /v1/merges/3/pairs/12/71?matches=true");
 
@@ -74,10 +75,35 @@ TEST_F(Explain, SaysWhatBecameOfAPairInPlainWords) {
   expect_says({"a candidate that is not verified yet"});
 }
 
+TEST_F(Explain, SaysOfAnEdgeThatIsOnlyVerifiedThatItIsNoneAndWhy) {
+  Json pair = Json::parse(kAccepted);
+  pair["confirmed"] = false;
+  pair["confidence"] = 0.125;
+  pair["reason"] = "unsupported";
+  pair["evidence"] = {{{"name", "rare_matches"}, {"value", 3}, {"weight", -1.5}, {"says", "matches that are rare"}},
+                      {{"name", "best_fullness"}, {"value", 4.25}, {"weight", 0.5}, {"says", ""}},
+                      {{"name", "shared_view"}, {"value", 0.25}, {"weight", nullptr}, {"says", "of an \u001b image"}}};
+  script_pair(pair.dump());
+  expect_says({"verified, but NOT an edge of the map", "why not", "nothing shows that these two are one place",
+               "0.125 (0.9 makes an edge of the map)", "3, speaks against it (-1.5): matches that are rare\n",
+               "best fullness", "4.25, speaks for it (+0.5)\n", "0.25: of an "});
+  EXPECT_EQ(ask("explain 3 12 71").out.find('\x1b'), std::string::npos);
+  EXPECT_EQ(ask("explain 3 12 71 --out " + in_folder("pair.svg")).code, 0);
+  const std::string svg = client::read_file(folder.path() / "pair.svg");
+  EXPECT_EQ(mapweld::testing::xml_fault(svg), "");
+
+  pair["confirmed"] = true;
+  pair["confidence"] = 0.96875;
+  pair["reason"] = nullptr;
+  script_pair(pair.dump());
+  expect_says({"an edge of the map: verified and confirmed", "0.9688 (0.9 makes an edge of the map)"});
+  EXPECT_EQ(ask("explain 3 12 71").out.find("NOT an edge"), std::string::npos);
+}
+
 TEST_F(Explain, KnowsEveryReasonAndPassesOnOthers) {
   std::set<std::string> texts;
   for (const char* reason : {"too_few_features", "no_candidate", "too_few_inliers", "not_significant", "inconsistent",
-                             "unsupported", "new_reason"}) {
+                             "unsupported", "ambiguous", "new_reason"}) {
     Json pair = Json::parse(kAccepted);
     pair["reason"] = reason;
     script_pair(pair.dump());
@@ -87,7 +113,7 @@ TEST_F(Explain, KnowsEveryReasonAndPassesOnOthers) {
     texts.insert(out.substr(at));
     EXPECT_EQ(out.find(reason) != std::string::npos, std::string(reason) == "new_reason") << out;
   }
-  EXPECT_EQ(texts.size(), 7U);
+  EXPECT_EQ(texts.size(), 8U);
 }
 
 TEST_F(Explain, HandsOnTheAnswerAsJson) {
@@ -99,7 +125,7 @@ TEST_F(Explain, DrawsPngAndSvg) {
   script_pair(kAccepted);
   const Ended ended = ask("explain 3 12 71 --out " + in_folder("pair.png"));
   EXPECT_EQ(ended.code, 0) << ended.err;
-  EXPECT_NE(ended.out.find("accepted"), std::string::npos);
+  EXPECT_NE(ended.out.find("an edge of the map"), std::string::npos);
   const std::string bytes = client::read_file(folder.path() / "pair.png");
   const cv::Mat png = cv::imdecode(std::vector<std::uint8_t>(bytes.begin(), bytes.end()), cv::IMREAD_COLOR);
   EXPECT_GE(png.cols, 4 * 64);

@@ -90,20 +90,34 @@ TEST(CurveSvg, TakesNoPointsOnePointAndZeros) {
   EXPECT_EQ(xml_fault(curve_svg(merge_in("running"), many)), "");
 }
 
+TEST(CurveSvg, TellsConfirmedFromVerifiedEdges) {
+  auto points = ramp();
+  const std::string plain = curve_svg(merge_in("completed"), points);
+  for (auto& point : points) point.edge_counts = {.verified = point.edges, .confirmed = point.edges};
+  const std::string all = curve_svg(merge_in("completed"), points);
+  EXPECT_EQ(count_elements(all, "path"), count_elements(plain, "path"));  // one line says both
+  for (auto& point : points) point.edge_counts = {.verified = point.edges, .confirmed = point.edges / 2};
+  const std::string some = curve_svg(merge_in("completed"), points);
+  EXPECT_EQ(xml_fault(some), "");
+  EXPECT_EQ(count_elements(some, "path"), count_elements(plain, "path") + 1);
+  EXPECT_NE(some.find("30 verified edges between the maps, 15 of them confirmed"), std::string::npos) << some;
+}
+
 TEST(CurveCsv, HasALineAPoint) {
   auto points = ramp();
   points[1].certified_fraction = 0.25;
   points[1].elapsed_s = 0.1;
+  points[1].edge_counts = {.verified = 3, .confirmed = 2};
   std::istringstream csv(curve_csv(points));
   std::string line;
   std::getline(csv, line);
   EXPECT_EQ(line,
             "step,elapsed_s,verifications,edges,components,algebraic_connectivity,largest_component_vertices,"
-            "largest_component_algebraic_connectivity,certified_fraction,phase");
+            "largest_component_algebraic_connectivity,certified_fraction,phase,confirmed_edges");
   std::getline(csv, line);
-  EXPECT_EQ(line, "0,0.0,0,0,11,0.0,100,0.0,,exploration");
+  EXPECT_EQ(line, "0,0.0,0,0,11,0.0,100,0.0,,exploration,");
   std::getline(csv, line);
-  EXPECT_EQ(line, "100,0.1,7,3,10,0.0,100,0.001,0.25,exploration");
+  EXPECT_EQ(line, "100,0.1,7,3,10,0.0,100,0.001,0.25,exploration,2");
   std::size_t rest = 0;
   while (std::getline(csv, line)) ++rest;
   EXPECT_EQ(rest, 9U);

@@ -9,6 +9,7 @@
 
 #include "client/drawing/graph_layout.h"
 #include "client/drawing/strands.h"
+#include "client/drawing/svg.h"
 #include "tests/client/drawing/well_formed.h"
 
 namespace mapweld::drawing {
@@ -83,15 +84,79 @@ TEST(GraphSvg, StaysWithinItsPage) {
   }
 }
 
-TEST(GraphSvg, TakesEmptyAndTinyGraphsAndUnconfirmedEdges) {
+TEST(GraphSvg, TakesEmptyAndTinyGraphs) {
   EXPECT_EQ(xml_fault(graph_svg("empty", {})), "");
   EXPECT_EQ(xml_fault(graph_svg("one", corridor(1, 0))), "");
   EXPECT_EQ(xml_fault(graph_svg("none-joined", corridor(3, 3, 3))), "");
+}
+
+TEST(GraphSvg, TellsWhatIsOnlyVerifiedFromTheEdgesOfTheMap) {
   contract::Graph graph = corridor(8, 8);
+  const std::string before = graph_svg("lab", graph);
   for (auto& edge : graph.edges) edge.confirmed = edge.kind != "inter";
+  contract::Edge inner;
+  inner.u = 0;
+  inner.v = 7;
+  inner.confirmed = false;
+  graph.edges.push_back(inner);
+  // Left out, and counted.
   const std::string svg = graph_svg("lab", graph);
-  EXPECT_EQ(count_elements(element_of_class(svg, "doubtful"), "line"), 2U);
+  EXPECT_EQ(xml_fault(svg), "");
+  EXPECT_EQ(count_elements(element_of_class(svg, "doubtful"), "line"), 0U);
   EXPECT_EQ(count_elements(element_of_class(svg, "inter"), "line"), 0U);
+  EXPECT_EQ(count_elements(element_of_class(svg, "inner"), "line"), 26U);
+  EXPECT_NE(svg.find("26 edges (29 verified)"), std::string::npos) << svg;
+  EXPECT_NE(svg.find("0 confirmed edges between maps"), std::string::npos);
+  EXPECT_NE(svg.find("2 between maps are verified only, left out"), std::string::npos);
+  EXPECT_NE(svg.find("1 within a map are verified only, left out"), std::string::npos);
+  EXPECT_EQ(before.find("verified only"), std::string::npos);
+  // Drawn when asked for: below the others, dashed, never in the red of a join.
+  const std::string drawn = graph_svg("lab", graph, {.unconfirmed = true});
+  const std::string doubtful(element_of_class(drawn, "doubtful"));
+  EXPECT_EQ(count_elements(doubtful, "line"), 3U);
+  EXPECT_NE(doubtful.find("stroke-dasharray"), std::string::npos);
+  EXPECT_EQ(doubtful.find(kInterColour), std::string::npos);
+  EXPECT_LT(drawn.find("class=\"doubtful\""), drawn.find("class=\"inner\""));
+  EXPECT_EQ(drawn.find("left out"), std::string::npos);
+  // What is not confirmed draws nothing near: the two maps stand as they would without it.
+  contract::Graph without = graph;
+  std::erase_if(without.edges, [](const auto& edge) { return !edge.confirmed; });
+  const auto places = [](const std::string& figure) {  // across the page; the legend has a row more or less
+    return std::regex_replace(std::string(element_of_class(figure, "vertices")), std::regex(" cy=\"[^\"]*\""), "");
+  };
+  EXPECT_EQ(places(drawn), places(graph_svg("lab", without)));
+}
+
+TEST(GraphSvg, ThinsOutADenseRoomAndSaysSo) {
+  // Two robots in one room: everybody sees nearly everything.
+  contract::Graph graph = corridor(50, 40);
+  graph.edges.clear();
+  for (int u = 0; u < 90; ++u) {
+    for (int v = u + 1; v < 90; ++v) {
+      if ((u * 7 + v * 13) % 3 == 0) continue;
+      contract::Edge edge;
+      edge.u = u;
+      edge.v = v;
+      edge.kind = u < 50 && v >= 50 ? "inter" : "inner";
+      edge.inliers = 200 - std::abs(u % 50 - v % 50);
+      graph.edges.push_back(edge);
+    }
+  }
+  const std::string svg = graph_svg("room", graph);
+  EXPECT_EQ(xml_fault(svg), "");
+  const std::size_t inter = count_elements(element_of_class(svg, "inter"), "line");
+  const std::size_t inner = count_elements(element_of_class(svg, "inner"), "line");
+  EXPECT_LE(inter, 90U);
+  EXPECT_GE(inter, 45U);
+  EXPECT_LE(inner, 270U);
+  EXPECT_NE(svg.find(" between maps, the strongest " + std::to_string(inter) + " drawn"), std::string::npos);
+  EXPECT_NE(svg.find(" within a map, the strongest " + std::to_string(inner) + " drawn"), std::string::npos);
+  EXPECT_NE(svg.find(std::to_string(graph.edges.size()) + " edges. "), std::string::npos);
+  EXPECT_EQ(count_elements(element_of_class(svg, "vertices"), "circle"), 90U);
+  const std::string whole = graph_svg("room", graph, {.dense = 1000});
+  EXPECT_EQ(count_elements(element_of_class(whole, "inter"), "line") +
+                count_elements(element_of_class(whole, "inner"), "line"),
+            graph.edges.size());
 }
 
 TEST(GraphSvg, EscapesNames) {

@@ -17,6 +17,7 @@
 namespace mapweld::test {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 namespace fs = std::filesystem;
@@ -105,7 +106,8 @@ TEST_F(EvaluateCommand, WritesReportFiguresAndSheetsBesideAServer) {
   EXPECT_THAT(run.errors, HasSubstr("quickconnect"));
   const std::string report = text_of(out() / "report.md");
   EXPECT_THAT(report, HasSubstr("| vertices | 9 + 8 |"));
-  EXPECT_THAT(report, HasSubstr("| edges between the maps, when all are verified | 8 |"));
+  EXPECT_THAT(report, HasSubstr("| verified edges between the maps, when all candidates are | 8 |"));
+  EXPECT_THAT(report, HasSubstr("| of them confirmed by the alias guard | "));
   EXPECT_THAT(report, HasSubstr("| components of the finished merge | 1 |"));
   EXPECT_THAT(report, HasSubstr("accepted with the parameters above | 8, right 7: precision 87.50 %"));
   EXPECT_THAT(report, HasSubstr("| of them with a right edge | 7: 100.0 % |"));
@@ -117,6 +119,7 @@ TEST_F(EvaluateCommand, WritesReportFiguresAndSheetsBesideAServer) {
     EXPECT_THAT(text_of(out() / (std::string(name) + ".csv")), HasSubstr(",")) << name;
   }
   EXPECT_THAT(text_of(out() / "edges.csv"), HasSubstr("f3.png,s3.png,"));
+  EXPECT_THAT(text_of(out() / "edges.csv"), ContainsRegex("f3.png,s3.png,[0-9]+,[0-9]+,[01],[0-9.]+,[01]\n"));
   EXPECT_THAT(text_of(out() / "wrong-edges-sheet.csv"), HasSubstr("1,f0.png,s0.png,"));
   EXPECT_FALSE(cv::imread((out() / "wrong-edges-sheet-1.png").string()).empty());
   EXPECT_FALSE(cv::imread((out() / "edges-sheet-1.png").string()).empty());

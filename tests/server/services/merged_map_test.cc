@@ -1,9 +1,12 @@
 // Merged maps through the services: views over their members.
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "client/contract/problem.h"
 #include "schema/blobs/appearance_blob.h"
+#include "schema/edge_store.h"
 #include "schema/map_store.h"
 #include "schema/store_check.h"
 #include "schema/vertex_store.h"
@@ -142,6 +145,52 @@ TEST_F(MergedMap, NothingOfAMemberShowsBeyondItsWatermark) {
   again.took_ms = found.took_ms;
   EXPECT_EQ(again, found);
   EXPECT_EQ(localize("b", photo_jpeg(1, 7)).matches.at(0).vertex, 5);
+}
+
+TEST_F(MergedMap, EverythingFollowsWhatIsThoughtOfAMembersInnerEdges) {
+  finish(request({"a", "b"}, "ab"));
+  const contract::Quality before = services_.quality().quality("ab");
+  const contract::Map map_before = services_.maps().get("ab");
+  const std::int64_t degree_before = services_.maps().vertex("ab", 0).degree;
+  MapId a{};
+  std::vector<JudgedEdge> edges;
+  {
+    WriteTransaction db = services_.store().write();
+    a = find_map(db, "a")->id;
+    edges = load_judgements(db, a);
+    ASSERT_GT(edges.size(), 1u);
+    ASSERT_EQ(edges.front().u, VertexId{0});
+    edges.resize(1);
+    edges.front().judgement = {0.125, Reason::kUnsupported, {}};
+    set_judgements(db, a, edges);
+    db.commit();
+  }
+  services_.cache().follow_judgements(a, edges);
+  const contract::Quality after = services_.quality().quality("ab");
+  EXPECT_EQ(after.edges, before.edges - 1);
+  EXPECT_EQ(after.edge_counts.verified, before.edge_counts.verified);
+  EXPECT_EQ(after.edge_counts.confirmed, before.edge_counts.confirmed - 1);
+  const contract::Map map = services_.maps().get("ab");
+  EXPECT_EQ(map.edges, map_before.edges - 1);
+  EXPECT_EQ(map.edge_counts.verified, map_before.edge_counts.verified);
+  EXPECT_EQ(services_.maps().get("a").edge_counts.confirmed, services_.maps().get("a").edge_counts.verified - 1);
+  EXPECT_EQ(services_.maps().vertex("ab", 0).degree, degree_before - 1);
+  const auto doubted = services_.maps().edges("ab", {0, false, false}, {1000, std::nullopt}).items;
+  ASSERT_EQ(doubted.size(), 1u);
+  EXPECT_EQ(doubted.front().confidence, 0.125);
+  EXPECT_EQ(doubted.front().reason, "unsupported");
+  // What a repeated upload says of the edge is how it stands now.
+  const auto repeated = services_.upload("a", "a-" + std::to_string(to_index(edges.front().v)),
+                                         photo_jpeg(1, static_cast<int>(to_index(edges.front().v))));
+  const auto& told = repeated.upload.edges.value();
+  const auto edge = std::ranges::find(told, std::int64_t{0}, &contract::UploadEdge::vertex);
+  ASSERT_NE(edge, told.end());
+  EXPECT_FALSE(edge->confirmed);
+  EXPECT_EQ(edge->confidence, 0.125);
+  // A merge of the map rests on what is confirmed.
+  const contract::Merge later = finish(request({"a", "c"}, "ac"));
+  EXPECT_EQ(services_.quality().quality("ac").edges,
+            services_.maps().get("a").edges + services_.maps().get("c").edges + later.edge_counts.confirmed);
 }
 
 TEST_F(MergedMap, RefusesUploadsAndDeletionOfItsMembers) {
