@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "schema/blobs/evidence_blob.h"
 #include "schema/blobs/judgement_blob.h"
@@ -198,6 +199,23 @@ std::vector<Edge> load_edges(const Reader& db, const MapLayout& layout, const Ed
   return edges;
 }
 
+std::vector<VerifiedEdge> load_verified_edges(const Reader& db, const MapLayout& layout, const EdgeFilter& filter) {
+  std::vector<VerifiedEdge> edges;
+  for (const LayoutNode& node : layout.nodes()) {
+    if (!passes(node, filter)) continue;
+    sqlite::Statement row =
+        db.prepare("SELECT u, v, evidence FROM edges WHERE " + std::string(kVisible) + "ORDER BY id");
+    bind_visible(row, node, filter);
+    while (row.step()) {
+      Verification verdict;
+      blobs::decode_evidence(row.blob(2), verdict);
+      edges.push_back(
+          {*node.number(row.id<VertexId>(0)), *node.number(row.id<VertexId>(1)), std::move(verdict.inlier_matches)});
+    }
+  }
+  return edges;
+}
+
 std::uint64_t count_edges(const Reader& db, const MapLayout& layout, const EdgeFilter& filter) {
   std::uint64_t count = 0;
   for (const LayoutNode& node : layout.nodes()) {
@@ -293,6 +311,11 @@ void set_judgements(WriteTransaction& db, MapId map, std::span<const JudgedEdge>
         "WHERE id = ?1")
       .bind_all(map, more_unconfirmed)
       .run();
+}
+
+bool has_unjudged_edges(const Reader& db, MapId map) {
+  sqlite::Statement row = db.prepare("SELECT 1 FROM edges WHERE map = ? AND confidence IS NULL LIMIT 1");
+  return row.bind(1, map).step();
 }
 
 std::vector<JudgedEdge> load_judgements(const Reader& db, MapId map) {

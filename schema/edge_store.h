@@ -9,7 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/merge/guard_evidence.h"
+#include "core/guard/guard_evidence.h"
+#include "core/merge/verified_edge.h"
 #include "core/types.h"
 #include "schema/map_layout.h"
 #include "schema/store.h"
@@ -93,6 +94,10 @@ std::vector<NewEdge> load_merge_edges(const Reader& db, JobId job);
 // All edges that a map shows, for building its graph; in the order of list_edges.
 std::vector<Edge> load_edges(const Reader& db, const MapLayout& layout, const EdgeFilter& filter = {});
 
+// The same with the matches that each rests on: what a guard judges them by. Throws StoreError kCorrupt when a blob is
+// damaged.
+std::vector<VerifiedEdge> load_verified_edges(const Reader& db, const MapLayout& layout, const EdgeFilter& filter = {});
+
 // How many there are.
 std::uint64_t count_edges(const Reader& db, const MapLayout& layout, const EdgeFilter& filter = {});
 
@@ -126,6 +131,9 @@ struct JudgedEdge {
 // the map does not have is a broken request (kConstraint), as is a confidence outside of [0, 1], or a doubt without
 // one.
 void set_judgements(WriteTransaction& db, MapId map, std::span<const JudgedEdge> edges);
+
+// Whether a map has edges of its own that nobody has judged.
+bool has_unjudged_edges(const Reader& db, MapId map);
 
 // What is thought of a map's own edges, all of them, in order of insertion.
 std::vector<JudgedEdge> load_judgements(const Reader& db, MapId map);

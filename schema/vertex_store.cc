@@ -216,8 +216,10 @@ bool has_signatures(const Reader& db, const MapLayout& layout, VocabularyId voca
       "SELECT a.bytes FROM images i JOIN appearances a ON a.map = i.map AND a.vertex = i.vertex AND a.vocabulary = ? "
       "WHERE i.map = ? AND i.vertex IS NOT NULL AND i.features > 0 ORDER BY i.vertex LIMIT 1");
   return std::ranges::all_of(layout.leaf_spans(), [&](const MapLayout::LeafSpan& span) {
-    if (!row.bind_all(vocabulary, span.leaf).step()) return true;
-    return blobs::decode_appearances(row.blob(0)).appearances.front().signature != Signature{};
+    row.bind_all(vocabulary, span.leaf);
+    const bool has = !row.step() || blobs::decode_appearances(row.blob(0)).appearances.front().signature != Signature{};
+    row.reset();
+    return has;
   });
 }
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "core/merge/guard_evidence.h"
+#include "core/guard/guard_evidence.h"
 #include "schema/blobs/byte_stream.h"
 
 namespace mapweld::blobs {

@@ -180,6 +180,7 @@ void run_evaluate(EvaluateArguments arguments) {
   {
     const ReadTransaction db = folder.store().read();
     loaded = load_maps(db, arguments.maps);
+    arguments.evaluation.inner_edges = std::move(loaded->verified_inner_edges);
     named = {named_map(db, loaded->maps[0]), named_map(db, loaded->maps[1])};
   }
   std::optional<Truth> truth;

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/merge/alias_guard.h"
+#include "core/guard/alias_guard.h"
 #include "core/merge/vote_source.h"
 #include "server/evaluation/parallel.h"
 
@@ -100,7 +100,7 @@ QualityAtShare quality_at(const MethodResult& method, std::vector<RunCurve>& cur
 
 // Judges the edges of the finished merge, which `verified` has with their verifications.
 void judge_edges(const MergeInput& input, const std::vector<MergeEdge>& verified, Evaluation& evaluation) {
-  const auto verdicts = guard_edges(input.members, input.inner_edges, verified, *input.appearances);
+  const auto verdicts = guard_edges(input.members, evaluation.options.inner_edges, verified, *input.appearances);
   std::map<std::pair<VertexId, VertexId>, const GuardVerdict*> by_ends;
   for (std::size_t e = 0; e < verified.size(); ++e) by_ends[{verified[e].u, verified[e].v}] = &verdicts[e];
   evaluation.confirmed_edges = 0;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/merge/merge_input.h"
+#include "core/merge/verified_edge.h"
 #include "server/evaluation/curves.h"
 #include "server/evaluation/recorded_run.h"
 #include "server/evaluation/summary.h"
@@ -27,7 +28,8 @@ struct EvaluationOptions {
   std::vector<double> levels{.5, .9, .95, .99};  // shares of the final value, ascending
   double share_of_baseline = 0.1;                // where qualities are compared (figure 5)
   std::uint32_t curve_points = 24;               // wanted for each run, see RunCurve::points
-  bool guard = false;                            // judge the finished merge's edges as the alias guard does
+  bool guard = false;                            // judge the finished merge's edges as the alias guard does,
+  std::vector<VerifiedEdge> inner_edges;         // by these of the members, in merged numbers
   int threads = 1;                               // for eigenvalues; merging itself has one, so that it can be timed
 };
 

@@ -1,6 +1,7 @@
 #include "server/jobs/merge_input_loader.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -33,13 +34,35 @@ MergeMember member_vertices(const LayoutNode& node) {
   return member;
 }
 
-// The edges that a member shows below its watermark, in the merged numbering.
-void append_inner_edges(const Reader& db, const LayoutNode& node, std::vector<Edge>& edges) {
-  const EdgeFilter confirmed{.min_inliers = 0, .inter = std::nullopt, .confirmed = true};
-  for (const Edge& edge : load_edges(db, load_layout(db, node.map), confirmed)) {
-    if (std::max(to_index(edge.u), to_index(edge.v)) >= node.watermark) continue;
-    edges.push_back({*node.number(edge.u), *node.number(edge.v), edge.weight});
+// Calls use(filter) for what a merge takes of its members' edges: those inside plain maps, whatever is thought of them
+// by now, so that the merge is the same whenever it is loaded; and the confirmed ones between them.
+template <typename Use>
+void for_each_filter(const Use& use) {
+  use(EdgeFilter{.inter = false});
+  use(EdgeFilter{.inter = true, .confirmed = true});
+}
+
+// Those of a member below its watermark, in the merged numbering: as `load` has them, appended.
+template <typename E, typename Load>
+void append_inner_edges(const Reader& db, const LayoutNode& node, const Load& load, std::vector<E>& edges) {
+  const MapLayout layout = load_layout(db, node.map);
+  for_each_filter([&](const EdgeFilter& filter) {
+    for (E& edge : load(db, layout, filter)) {
+      if (std::max(to_index(edge.u), to_index(edge.v)) >= node.watermark) continue;
+      edge.u = *node.number(edge.u);
+      edge.v = *node.number(edge.v);
+      edges.push_back(std::move(edge));
+    }
+  });
+}
+
+// Leaves those that the guard confirms: the merge rests on them.
+void keep_confirmed(std::vector<Edge>& edges, const std::vector<GuardVerdict>& verdicts) {
+  std::vector<Edge> kept;
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    if (verdicts[e].confirmed()) kept.push_back(edges[e]);
   }
+  edges = std::move(kept);
 }
 
 // The appearance vectors of all vertices of a map, appended in its own numbering. False when it was told to stop.
@@ -88,14 +111,22 @@ std::optional<LoadedMerge> load_merge(Store& store, JobId job, const VerifierFac
   const MapLayout layout = load_layout(db, row->map);
   const MergeParameters parameters = parameters_of(*row);
   LoadedMerge loaded;
+  std::vector<VerifiedEdge> inner;  // the same edges as in the input
   for (const MemberRow& member : list_members(db, row->map)) {
     const LayoutNode& node = node_of(layout, member.map);
     loaded.input.members.push_back(member_vertices(node));
-    append_inner_edges(db, node, loaded.input.inner_edges);
+    append_inner_edges(db, node, load_edges, loaded.input.inner_edges);
+    if (parameters.alias_guard) append_inner_edges(db, node, load_verified_edges, inner);
   }
   std::vector<std::shared_ptr<const AppearanceVector>> vectors;
   if (!append_appearances(db, layout, map->vocabulary, should_stop, vectors)) return std::nullopt;
   loaded.input.appearances = std::make_shared<AppearanceTable>(std::move(vectors));
+  if (parameters.alias_guard) {
+    GuardOptions options;
+    options.min_confidence = parameters.min_confidence;
+    loaded.guard = std::make_shared<AliasGuard>(loaded.input.members, inner, *loaded.input.appearances, options);
+    keep_confirmed(loaded.input.inner_edges, loaded.guard->inner_verdicts());
+  }
   loaded.input.verifier =
       verifier({.min_inliers = parameters.min_inliers, .max_false_alarms = parameters.max_false_alarms});
   loaded.input.options = {row->method, parameters.min_votes, parameters.votes, row->seed};
@@ -121,6 +152,12 @@ LoadedMaps load_maps(const Reader& db, std::span<const std::string> names) {
       loaded.input.inner_edges.push_back(
           {VertexId{base + to_index(edge.u)}, VertexId{base + to_index(edge.v)}, edge.weight});
     }
+    for_each_filter([&](const EdgeFilter& filter) {
+      for (VerifiedEdge& edge : load_verified_edges(db, layout, filter)) {
+        loaded.verified_inner_edges.push_back(
+            {VertexId{base + to_index(edge.u)}, VertexId{base + to_index(edge.v)}, std::move(edge.inlier_matches)});
+      }
+    });
     append_appearances(
         db, layout, map->vocabulary, [] { return false; }, vectors);
     sizes.push_back(layout.vertices());

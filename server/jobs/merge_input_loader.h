@@ -2,11 +2,13 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "core/guard/alias_guard.h"
 #include "core/merge/merge_input.h"
 #include "core/merge/merge_state.h"
 #include "schema/map_store.h"
@@ -20,6 +22,9 @@ struct LoadedMerge {
   MergeRow row;
   MergeInput input;
   std::optional<MergeState> state;  // of the last checkpoint; none before the first
+  // Where the merge is guarded: the guard over its members, which input.inner_edges are confirmed by. Refers to
+  // input.appearances.
+  std::shared_ptr<AliasGuard> guard;
 };
 
 // Reads one consistent state of the store; appearances of all members up to their watermarks come into memory. Nothing
@@ -30,6 +35,7 @@ std::optional<LoadedMerge> load_merge(Store& store, JobId job, const VerifierFac
 struct LoadedMaps {
   std::vector<MapRow> maps;  // in the order given
   MergeInput input;          // members, inner edges and appearances; verifier and options are the caller's
+  std::vector<VerifiedEdge> verified_inner_edges;  // with what a guard judges them by; those withheld too
 };
 
 // Stored maps, plain or merged, as the members of a merge that the store knows nothing of, as they are at this moment.

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/geometry/pair_verifier.h"
-#include "core/merge/guard_evidence.h"
+#include "core/guard/guard_evidence.h"
 #include "core/merge/member_table.h"
 #include "core/types.h"
 #include "schema/merge_store.h"
@@ -49,7 +49,7 @@ struct MergeParameters {
   int min_inliers = 10;                                          // 4 .. 65535
   double max_false_alarms = VerifierOptions{}.max_false_alarms;  // > 0
   VoteRule votes = VoteRule::kMin;
-  bool alias_guard = false;  // confirm only what core/merge/alias_guard.h confirms; otherwise every edge is
+  bool alias_guard = false;  // confirm only what core/guard/alias_guard.h confirms; otherwise every edge is
   double min_confidence = kDefaultMinConfidence;  // of a confirmed edge, where the guard judges; 0 .. 1
   friend bool operator==(const MergeParameters&, const MergeParameters&) = default;
 };

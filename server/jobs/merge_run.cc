@@ -74,9 +74,7 @@ class Run {
     }
     verifications_before_ = merger_->state().verifications;
     revoked_before_ = progress_of(row_).revoked;
-    const MergeParameters parameters = parameters_of(row_);
-    watch_ = std::make_unique<MergeWatch>(
-        *merger_, parameters.alias_guard ? std::optional(parameters.min_confidence) : std::nullopt);
+    watch_ = std::make_unique<MergeWatch>(*merger_, std::move(loaded.guard));
   }
 
   void execute() {

@@ -12,16 +12,11 @@ namespace mapweld::server {
 void MergeWatch::judge() {
   const std::vector<MergeEdge>& edges = merger_.state().edges;
   if (!guards() || verdicts_.size() == edges.size()) return;
-  const MergeInput& input = merger_.input();
-  if (!guard_) {
-    guard_.emplace(input.members, input.inner_edges, *input.appearances,
-                   AliasGuardOptions{.min_confidence = *min_confidence_});
-  }
-  std::vector<GuardVerdict> verdicts = guard_->verdicts(edges);
+  const std::vector<GuardVerdict>& verdicts = guard_->verdicts(edges);
   for (std::size_t e = 0; e < verdicts_.size(); ++e) {
     revoked_ += verdicts_[e].confirmed() && !verdicts[e].confirmed() ? 1 : 0;
   }
-  verdicts_ = std::move(verdicts);
+  verdicts_ = verdicts;
 }
 
 AppearanceGraph MergeWatch::confirmed_graph() const {

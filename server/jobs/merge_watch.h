@@ -3,11 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
 
-#include "core/merge/alias_guard.h"
+#include "core/guard/alias_guard.h"
 #include "core/merge/member_table.h"
 #include "core/merge/merge_metrics.h"
 #include "core/merge/merger.h"
@@ -22,10 +23,9 @@ inline constexpr double kTellingConfidence = 0.01;
 // Only looks on: the merge is the same whether and whenever it is asked. Used by one thread.
 class MergeWatch {
  public:
-  // `merger` must outlive this. With a `min_confidence` the alias guard judges its edges, and metrics speak of the
+  // `merger` must outlive this. With a `guard` over its members its edges are judged, and metrics speak of the
   // confirmed ones; without, every edge is confirmed.
-  MergeWatch(const Merger& merger, std::optional<double> min_confidence)
-      : merger_(merger), min_confidence_(min_confidence) {}
+  MergeWatch(const Merger& merger, std::shared_ptr<AliasGuard> guard) : merger_(merger), guard_(std::move(guard)) {}
 
   // Measures what can have changed since the last time; a certificate that no longer says anything is forgotten. With
   // `exact` every number is computed anew: how often it was asked before then leaves no trace in the last digits.
@@ -51,13 +51,13 @@ class MergeWatch {
   Judgements tell_judgements(std::size_t stored, bool all);
 
  private:
-  bool guards() const { return min_confidence_.has_value(); }
+  bool guards() const { return guard_ != nullptr; }
   void judge();
   bool is_confirmed(std::size_t edge) const { return !guards() || verdicts_[edge].confirmed(); }
   AppearanceGraph confirmed_graph() const;
 
   const Merger& merger_;
-  const std::optional<double> min_confidence_;
+  const std::shared_ptr<AliasGuard> guard_;
   MergeMetricsFollower follower_;
   MergeMetrics metrics_;
   std::optional<Certified> certified_;
@@ -66,7 +66,6 @@ class MergeWatch {
   std::optional<std::size_t> measured_edges_;
   std::uint64_t confirmed_edges_ = 0;
   std::uint64_t revoked_ = 0;
-  std::optional<AliasGuard> guard_;     // made when there is an edge to judge
   std::vector<GuardVerdict> verdicts_;  // guards: by edge
   struct Told {
     double confidence = 0;

@@ -7,7 +7,7 @@
 
 #include "client/contract/problem.h"
 #include "core/geometry/epipolar_verifier.h"
-#include "core/merge/guard_evidence.h"
+#include "core/guard/guard_evidence.h"
 #include "core/retrieval/voting.h"
 #include "schema/blobs/merge_state_blob.h"
 #include "schema/edge_store.h"

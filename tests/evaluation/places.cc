@@ -33,6 +33,8 @@ std::vector<std::vector<std::string>> read_csv(const fs::path& path) {
   return rows;
 }
 
+std::string last_part(const std::string& folder) { return fs::path(folder).filename(); }
+
 struct Walk {
   std::string storey, folder, short_name;
 };
@@ -116,8 +118,8 @@ PlaceTruth::PlaceTruth(const Place& place) : place_(place) {
 Truth PlaceTruth::of(const std::string& a_name, const std::string& b_name) const {
   if (place_.shares_nothing) return Truth::kWrong;
   if (!position_m_.empty()) {
-    const auto a = position_m_.find("a/" + a_name);
-    const auto b = position_m_.find("b/" + b_name);
+    const auto a = position_m_.find(last_part(place_.a) + "/" + a_name);
+    const auto b = position_m_.find(last_part(place_.b) + "/" + b_name);
     if (a == position_m_.end() || b == position_m_.end()) return Truth::kUnknown;
     const double distance_m = std::hypot(a->second.first - b->second.first, a->second.second - b->second.second);
     return distance_m > kMuseumFar_m ? Truth::kWrong : Truth::kUnknown;

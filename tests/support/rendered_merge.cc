@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "core/errors.h"
 #include "core/feature/decode.h"
@@ -33,12 +34,13 @@ class GrowingMap final : public MapView {
     for (const LocalizationMatch& e : decision.edges) {
       neighbours_[id].push_back(to_index(e.vertex));
       neighbours_[to_index(e.vertex)].push_back(id);
-      made_.inner_edges.push_back({e.vertex, VertexId{id}, static_cast<std::uint32_t>(e.verification.inliers)});
+      // The verdict is that of (image, vertex); edges run from the lower number to the higher.
+      made_.inner_edges.push_back({e.vertex, VertexId{id}, mirrored(e.verification).inlier_matches});
     }
   }
   void ignore() { made_.vertex_of_image.push_back(MadeMap::kIgnored); }
   MadeMap take() {
-    std::ranges::sort(made_.inner_edges);
+    std::ranges::sort(made_.inner_edges, {}, [](const VerifiedEdge& e) { return std::pair(e.u, e.v); });
     return std::move(made_);
   }
 
@@ -73,11 +75,11 @@ std::vector<MergeMember> MadeMerge::members() const {
   return number_members({static_cast<std::uint32_t>(a.vertices.size()), static_cast<std::uint32_t>(b.vertices.size())});
 }
 
-std::vector<Edge> MadeMerge::inner_edges() const {
-  std::vector<Edge> edges = a.inner_edges;
+std::vector<VerifiedEdge> MadeMerge::inner_edges() const {
+  std::vector<VerifiedEdge> edges = a.inner_edges;
   const auto shift = static_cast<std::uint32_t>(a.vertices.size());
-  for (const Edge& e : b.inner_edges) {
-    edges.push_back({VertexId{to_index(e.u) + shift}, VertexId{to_index(e.v) + shift}, e.weight});
+  for (const VerifiedEdge& e : b.inner_edges) {
+    edges.push_back({VertexId{to_index(e.u) + shift}, VertexId{to_index(e.v) + shift}, e.inlier_matches});
   }
   return edges;
 }
@@ -189,7 +191,7 @@ MadeMerge make_merge(const Drive& a, const Drive& b, const Vocabulary& vocabular
 
 namespace {
 
-constexpr std::uint64_t kMagic = 0x4d57475541524432;
+constexpr std::uint64_t kMagic = 0x4d57475541524433;
 
 template <typename T>
 void put(std::ostream& out, const T& value) {
@@ -217,6 +219,25 @@ std::vector<T> get_all(std::istream& in) {
   return values;
 }
 
+using Matches = std::vector<std::pair<std::uint16_t, std::uint16_t>>;
+
+void put_matches(std::ostream& out, const Matches& matches) {
+  put(out, static_cast<std::uint64_t>(matches.size()));
+  for (const auto& [i, j] : matches) {
+    put(out, i);
+    put(out, j);
+  }
+}
+Matches get_matches(std::istream& in) {
+  Matches matches;
+  const auto size = get<std::uint64_t>(in);
+  for (std::uint64_t m = 0; m < size; ++m) {
+    const auto first = get<std::uint16_t>(in);
+    matches.emplace_back(first, get<std::uint16_t>(in));
+  }
+  return matches;
+}
+
 void put_map(std::ostream& out, const MadeMap& map) {
   put(out, static_cast<std::uint64_t>(map.vertices.size()));
   for (const auto& vector : map.vertices) {
@@ -224,7 +245,12 @@ void put_map(std::ostream& out, const MadeMap& map) {
     put(out, vector->height_px);
     put_all(out, vector->appearances);
   }
-  put_all(out, map.inner_edges);
+  put(out, static_cast<std::uint64_t>(map.inner_edges.size()));
+  for (const VerifiedEdge& edge : map.inner_edges) {
+    put(out, edge.u);
+    put(out, edge.v);
+    put_matches(out, edge.inlier_matches);
+  }
   put_all(out, map.poses);
   put_all(out, map.vertex_of_image);
 }
@@ -239,7 +265,13 @@ MadeMap get_map(std::istream& in) {
     vector.appearances = get_all<Appearance>(in);
     map.vertices.push_back(std::make_shared<const AppearanceVector>(std::move(vector)));
   }
-  map.inner_edges = get_all<Edge>(in);
+  const auto edges = get<std::uint64_t>(in);
+  for (std::uint64_t i = 0; i < edges; ++i) {
+    VerifiedEdge& edge = map.inner_edges.emplace_back();
+    edge.u = get<VertexId>(in);
+    edge.v = get<VertexId>(in);
+    edge.inlier_matches = get_matches(in);
+  }
   map.poses = get_all<Pose>(in);
   map.vertex_of_image = get_all<std::uint32_t>(in);
   return map;
@@ -265,11 +297,7 @@ void write_merge(const MadeMerge& merge, const std::filesystem::path& file) {
       put(out, edge.verification.log10_false_alarms);
       put(out, edge.verification.kind);
       put(out, edge.verification.geometry);
-      put(out, static_cast<std::uint64_t>(edge.verification.inlier_matches.size()));
-      for (const auto& [i, j] : edge.verification.inlier_matches) {
-        put(out, i);
-        put(out, j);
-      }
+      put_matches(out, edge.verification.inlier_matches);
     }
     put_all(out, merge.shared);
     put_all(out, merge.best_shared);
@@ -297,11 +325,7 @@ MadeMerge read_merge(const std::filesystem::path& file) {
     edge.verification.log10_false_alarms = get<double>(in);
     edge.verification.kind = get<GeometryKind>(in);
     edge.verification.geometry = get<std::array<double, 9>>(in);
-    const auto matches = get<std::uint64_t>(in);
-    for (std::uint64_t m = 0; m < matches; ++m) {
-      const auto first = get<std::uint16_t>(in);
-      edge.verification.inlier_matches.emplace_back(first, get<std::uint16_t>(in));
-    }
+    edge.verification.inlier_matches = get_matches(in);
     merge.inter_edges.push_back(std::move(edge));
   }
   merge.shared = get_all<float>(in);

@@ -12,6 +12,7 @@
 #include "core/mapping/localizer.h"
 #include "core/merge/merge_input.h"
 #include "core/merge/merge_state.h"
+#include "core/merge/verified_edge.h"
 #include "core/vocabulary/vocabulary.h"
 #include "tests/support/overlays.h"
 #include "tests/support/rendered_world.h"
@@ -21,8 +22,8 @@ namespace mapweld::rendered {
 // One member of the merge.
 struct MadeMap {
   std::vector<std::shared_ptr<const AppearanceVector>> vertices;
-  std::vector<Edge> inner_edges;  // own numbers
-  std::vector<Pose> poses;        // of the vertices; empty where nobody knows them
+  std::vector<VerifiedEdge> inner_edges;  // own numbers
+  std::vector<Pose> poses;                // of the vertices; empty where nobody knows them
   // For each image given: the vertex that it became, or kIgnored.
   static constexpr std::uint32_t kIgnored = 0xFFFFFFFF;
   std::vector<std::uint32_t> vertex_of_image;
@@ -38,7 +39,7 @@ struct MadeMerge {
   std::uint64_t candidates = 0;
 
   std::vector<MergeMember> members() const;
-  std::vector<Edge> inner_edges() const;  // merged numbers
+  std::vector<VerifiedEdge> inner_edges() const;  // merged numbers
   AppearanceTable appearances() const;
 };
 

@@ -280,7 +280,7 @@ TEST_F(Command, MergesAreListedByDefaultAndActedOnByNumber) {
   server.script_problem("POST /v1/merges/1/resume", "nothing_to_resume", "Merge 1 is complete.");
   EXPECT_EQ(ask("merges resume 1").code, 1);
   server.script("GET /v1/merges/1", 200, merge_json("completed"));
-  EXPECT_NE(ask("merges show 1").out.find("412 of 5120 verified, 247 accepted"), std::string::npos);
+  EXPECT_NE(ask("merges show 1").out.find("412 of 5120 verified, 247 passed"), std::string::npos);
   EXPECT_EQ(ask("merges watch 1").code, 0);
   server.script("DELETE /v1/merges/1", 204, std::string());
   EXPECT_EQ(ask("merges delete 1").code, 0);

@@ -148,9 +148,10 @@ TEST(DecodePicture, TakesWhatTheServerTakes) {
   image.convertTo(deep, CV_16U, 257);
   cv::Mat grey;
   cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-  for (const test::Bytes& bytes : {test::encode(".png", image), test::encode(".jpg", image),
-                                   test::encode(".png", alpha), test::encode(".png", deep), test::encode(".png", grey),
-                                   test::encode(".jpg", grey), test::encode_cmyk_jpeg(image)}) {
+  for (const test::Bytes& bytes :
+       {test::encode(".png", image), test::encode(".jpg", image), test::encode(".png", alpha),
+        test::encode(".png", deep), test::encode(".png", grey), test::encode(".jpg", grey),
+        test::encode_jpeg(image, {.colours = test::JpegColours::kCmyk})}) {
     const Picture picture = decode_picture(file_of(bytes));
     ASSERT_EQ(width_px(picture), 64);
     ASSERT_EQ(height_px(picture), 48);

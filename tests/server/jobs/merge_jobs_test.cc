@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/graph/components.h"
-#include "core/merge/alias_guard.h"
+#include "core/guard/alias_guard.h"
 #include "core/merge/merge_metrics.h"
 #include "core/merge/run.h"
 #include "schema/edge_store.h"
@@ -286,10 +286,17 @@ TEST(MergeJobs, ConfirmWhatTheAliasGuardConfirms) {
     ASSERT_EQ(s.state, whole ? JobState::kCompleted : JobState::kBudgetExhausted) << s.error.value_or("");
     const MergeState state = test::stored_state(store, id);
     const MergeInput input = test::make_toy_merge(world);
-    const auto verdicts = guard_edges(input.members, input.inner_edges, state.edges, *input.appearances);
+    // The stored inner edges have no matches.
+    std::vector<VerifiedEdge> inner;
+    for (const Edge& e : input.inner_edges) inner.push_back({e.u, e.v, {}});
+    AliasGuard guard(input.members, inner, *input.appearances);
+    const auto& verdicts = guard.verdicts(state.edges);
     const std::vector<EdgeRow> rows = list_merge_edges(store.read(), JobId{id}, 10000);
     ASSERT_EQ(rows.size(), verdicts.size());
-    AppearanceGraph graph(70, input.inner_edges);
+    AppearanceGraph graph(70);
+    for (std::size_t e = 0; e < inner.size(); ++e) {
+      if (guard.inner_verdicts()[e].confirmed()) graph.add_edge(inner[e].u, inner[e].v, input.inner_edges[e].weight);
+    }
     std::vector<MergeEdge> standing;
     for (std::size_t e = 0; e < rows.size(); ++e) {
       EXPECT_EQ(rows[e].confirmed, verdicts[e].confirmed());
@@ -316,40 +323,31 @@ TEST(MergeJobs, ConfirmWhatTheAliasGuardConfirms) {
   }
 }
 
-TEST(MergeWatch, CountsWhatIsRevokedAndWithoutThatJoinedOnlyGrows) {
-  std::uint64_t revoked_in_all = 0;
-  for (const std::uint32_t seed : {19u, 20u, 21u, 22u}) {
-    ToyWorld world = test::toy_world(seed);
+// While edges come nothing that was confirmed is taken back, so that `joined` only grows.
+TEST(MergeWatch, ConfirmsAsTheGuardDoesAndRevokesNothing) {
+  for (const double prior : {-3.5, 3.0}) {  // edges at random show nothing: none is confirmed, or all
+    ToyWorld world = test::toy_world(19);
     world.sizes = {40, 30};
     world.words_per_image = 24;
     const MergeInput input = test::make_toy_merge(world);
     const auto merger = make_merger(input);
-    MergeWatch watch(*merger, kDefaultMinConfidence);
-    std::vector<GuardVerdict> before;
-    std::uint64_t revoked = 0;
+    GuardOptions options;
+    options.model.prior = prior;
+    MergeWatch watch(
+        *merger, std::make_shared<AliasGuard>(input.members, std::vector<VerifiedEdge>{}, *input.appearances, options));
     std::vector<std::uint32_t> joined;
     while (!merger->done()) {
       for (int i = 0; i < 40 && !merger->done(); ++i) merger->step();
       watch.measure_edges(false);
-      const std::vector<MergeEdge>& edges = merger->state().edges;
-      const auto verdicts = guard_edges(input.members, input.inner_edges, edges, *input.appearances);
-      bool is_any_revoked = false;
-      for (std::size_t e = 0; e < before.size(); ++e) {
-        if (!before[e].confirmed() || verdicts[e].confirmed()) continue;
-        ++revoked;
-        is_any_revoked = true;
-      }
-      before = verdicts;
-      EXPECT_EQ(watch.revoked(), revoked);
+      const auto verdicts = guard_edges(input.members, {}, merger->state().edges, *input.appearances, options);
       EXPECT_EQ(watch.confirmed_edges(),
                 static_cast<std::uint64_t>(std::ranges::count_if(verdicts, &GuardVerdict::confirmed)));
-      for (std::size_t m = 0; m < joined.size() && !is_any_revoked; ++m)
-        EXPECT_GE(watch.metrics().joined[m], joined[m]);
+      for (std::size_t m = 0; m < joined.size(); ++m) EXPECT_GE(watch.metrics().joined[m], joined[m]);
       joined = watch.metrics().joined;
     }
-    revoked_in_all += revoked;
+    EXPECT_EQ(watch.revoked(), 0u);
+    EXPECT_EQ(watch.confirmed_edges(), prior > 0 ? merger->state().edges.size() : 0);
   }
-  EXPECT_GT(revoked_in_all, 0u) << "nothing was put to the test";
 }
 
 TEST(MergeJobs, NothingIsAskedOfAConfirmedEdgeAtAConfidenceOfNought) {

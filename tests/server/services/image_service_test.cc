@@ -182,9 +182,9 @@ TEST(ImageService, InABatchToo) {
 cv::Mat dim_frame(int pixels_aside, std::uint64_t seed) {
   const cv::Mat wall = photo(3, 0);
   cv::Mat frame(wall.size(), wall.type(), cv::Scalar(40, 40, 40));
-  const cv::Rect lit(110 + pixels_aside, 60, 120, 90);  // a window in a dark wall
+  const cv::Rect lit(70 + pixels_aside, 45, 170, 150);  // a window in a dark wall
   cv::Mat dimmed;
-  wall({60, 40, 120, 90}).convertTo(dimmed, CV_8UC3, 0.55, 30);
+  wall({40, 30, 170, 150}).convertTo(dimmed, CV_8UC3, 0.3, 35);
   dimmed.copyTo(frame(lit));
   cv::RNG random(seed);
   cv::Mat noise(frame.size(), CV_16SC3);

@@ -1,0 +1,80 @@
+#include "core/guard/guarded_map.h"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "core/guard/beliefs.h"
+#include "core/guard/edge_fullness.h"
+
+namespace mapweld {
+namespace {
+
+std::vector<std::vector<std::uint32_t>> verified_neighbours(std::uint32_t vertices,
+                                                            std::span<const VerifiedEdge> edges) {
+  std::vector<std::vector<std::uint32_t>> neighbours(vertices);
+  for (const VerifiedEdge& e : edges) {
+    const std::uint32_t u = to_index(e.u), v = to_index(e.v);
+    if (u >= vertices || v >= vertices || u == v) throw std::invalid_argument("an edge beyond its map's vertices");
+    neighbours[u].push_back(v);
+    neighbours[v].push_back(u);
+  }
+  for (auto& list : neighbours) std::ranges::sort(list);
+  return neighbours;
+}
+
+}  // namespace
+
+GuardedMap::GuardedMap(std::uint32_t vertices, const ImageLookup& images, std::span<const VerifiedEdge> edges,
+                       const GuardOptions& options)
+    : fullness_(vertices, 0), rarity_(images, verified_neighbours(vertices, edges)) {
+  std::vector<EdgeSigns> signs(edges.size());
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    const std::uint32_t u = to_index(edges[e].u), v = to_index(edges[e].v);
+    signs[e].fullness = edge_fullness(*images(u), *images(v), edges[e]);
+    for (const std::uint32_t end : {u, v}) fullness_[end] = std::max(fullness_[end], signs[e].fullness);
+  }
+  const auto links_of = [&](const auto& is_one, const auto& belief) {
+    std::vector<LinkCandidate> candidates;
+    for (std::uint32_t e = 0; e < edges.size(); ++e) {
+      if (is_one(e)) candidates.push_back({to_index(edges[e].u), to_index(edges[e].v), signs[e].fullness, belief(e)});
+    }
+    return fullest_links(vertices, candidates, options.most_links);
+  };
+  const auto is_strong = [&](std::uint32_t e) {
+    return signs[e].fullness >= options.strong_link * signs[e].inner_fullness;
+  };
+  const auto is_certain = [](std::uint32_t) { return std::numeric_limits<double>::infinity(); };
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    const std::uint32_t u = to_index(edges[e].u), v = to_index(edges[e].v);
+    signs[e].rare_matches = rarity_.rare_matches(u, rarity_, v, edges[e]);
+    signs[e].far_images = std::min(rarity_.far_images(u), rarity_.far_images(v));
+    signs[e].inner_fullness = std::min(fullness_[u], fullness_[v]);
+  }
+  around_ = links_of(is_strong, is_certain);
+  LinkLists confirmed(vertices);
+  Beliefs beliefs(around_, confirmed, options.model, true);
+  for (std::size_t e = 0; e < edges.size(); ++e) beliefs.add(to_index(edges[e].u), to_index(edges[e].v), signs[e]);
+  beliefs.settle();
+
+  // What is confirmed is a link for others, until nothing is added.
+  const double needed = log_odds_of(options.min_confidence);
+  const auto belief = [&](std::uint32_t e) { return beliefs.belief(e); };
+  const auto is_confirmed = [&](std::uint32_t e) { return belief(e) >= needed; };
+  for (std::uint32_t before = 0;;) {
+    std::uint32_t count = 0;
+    for (std::uint32_t e = 0; e < edges.size(); ++e) count += is_confirmed(e) ? 1 : 0;
+    if (count == before) break;
+    before = count;
+    confirmed = links_of(is_confirmed, belief);
+    beliefs.settle(true);
+  }
+  passing_ = links_of([&](std::uint32_t e) { return is_strong(e) || is_confirmed(e); },
+                      [&](std::uint32_t e) { return is_strong(e) ? is_certain(e) : belief(e); });
+  for (std::uint32_t e = 0; e < edges.size(); ++e) {
+    verdicts_.push_back(verdict_of(beliefs.signs(e), beliefs.belief(e), options, true));
+  }
+}
+
+}  // namespace mapweld

@@ -1,0 +1,41 @@
+// What the guard knows of one map: which of its edges are confirmed, and how well it can test what others show it.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/guard/evidence_model.h"
+#include "core/guard/links.h"
+#include "core/guard/own_rarity.h"
+#include "core/guard/verdict.h"
+#include "core/merge/verified_edge.h"
+
+namespace mapweld {
+
+// Follows from the map's images and verified edges alone, however they came: no order of upload, no time. One thread.
+class GuardedMap {
+ public:
+  // Images 0 .. vertices-1; `edges`: all verified ones between them, each once. What `images` throws passes through;
+  // std::invalid_argument for an edge beyond the images or their appearances.
+  GuardedMap(std::uint32_t vertices, const ImageLookup& images, std::span<const VerifiedEdge> edges,
+             const GuardOptions& options);
+
+  // By edge, as given.
+  const std::vector<GuardVerdict>& verdicts() const { return verdicts_; }
+  // The images beside each image, by its fullest edges. Around: those that are nearly as full as the fullest of their
+  // ends (GuardOptions::strong_link), whatever is believed of them. Passing: those and the confirmed ones.
+  const LinkLists& around() const { return around_; }
+  const LinkLists& passing() const { return passing_; }
+  // The greatest fullness of a verified edge at a vertex; 0 without one.
+  double fullness(std::uint32_t vertex) const { return fullness_[vertex]; }
+  OwnRarity& rarity() { return rarity_; }
+
+ private:
+  std::vector<double> fullness_;
+  LinkLists around_, passing_;
+  std::vector<GuardVerdict> verdicts_;
+  OwnRarity rarity_;
+};
+
+}  // namespace mapweld
