@@ -15,6 +15,7 @@
 #include "schema/map_store.h"
 #include "server/api/api.h"
 #include "server/jobs/merge_jobs.h"
+#include "server/judge_worker.h"
 #include "server/maps/map_cache.h"
 #include "server/maps/map_opener.h"
 #include "server/metrics/metrics.h"
@@ -58,7 +59,8 @@ class Server::Impl {
         localization_(store_, opener_, vocabularies_, workers_, metrics_),
         quality_(store_),
         http_(config.http, routes(), metrics_),
-        segments_(store_) {
+        segments_(store_),
+        judges_(store_, cache_, config.cache_mb << 20) {
     choose_vocabulary(config);
     add_gauges();
     port_ = http_.bind();
@@ -77,6 +79,7 @@ class Server::Impl {
     stop();
     jobs_stopper.join();
     segments_.stop();
+    judges_.stop();
   }
 
   void stop() {
@@ -168,6 +171,7 @@ class Server::Impl {
   QualityService quality_;
   HttpServer http_;
   SegmentWriter segments_;
+  JudgeWorker judges_;
   int port_ = 0;
   std::atomic<bool> stopping_{false};
 };

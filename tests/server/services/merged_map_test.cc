@@ -10,6 +10,7 @@
 #include "schema/map_store.h"
 #include "schema/store_check.h"
 #include "schema/vertex_store.h"
+#include "server/maps/map_judge.h"
 #include "server/services/graph_export.h"
 #include "tests/server/support/services_under_test.h"
 #include "tests/server/support/test_photos.h"
@@ -113,6 +114,10 @@ TEST_F(MergedMap, IsVotedForBySignaturesWhereAllMembersHaveThem) {
 }
 
 TEST_F(MergedMap, IsLocalizedInAtOnceAndQualityIsThatOfTheMerge) {
+  // The merge judges its members' edges by itself, the maps are judged in the background.
+  for (const char* name : {"a", "b"}) {
+    judge_map(services_.store(), services_.cache(), find_map(services_.store().read(), name).value());
+  }
   const contract::Merge merge = finish(request({"a", "b"}, "ab"));
   // Seen by b alone, in b's own steps and in neither.
   const contract::Localization found = localize("ab", photo_jpeg(1, 5));
