@@ -1,8 +1,10 @@
 // Budgets, stops and resumes through the real server; the same edges whatever the method; the same map whatever the
 // number of threads.
 #include <algorithm>
+#include <chrono>
 #include <fstream>
 #include <set>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -139,9 +141,20 @@ std::string description(client::Client& client, const std::string& map) {
   }
   for (const auto& edge : *client.edges(map)) {
     text += std::to_string(edge.u) + "-" + std::to_string(edge.v) + " " + std::to_string(edge.votes) + " " +
-            std::to_string(edge.inliers) + " " + std::to_string(edge.log10_false_alarms) + "\n";
+            std::to_string(edge.inliers) + " " + std::to_string(edge.log10_false_alarms) + " " +
+            (edge.confirmed ? "confirmed" : "withheld") + "\n";
   }
   return text;
+}
+
+// What the server thinks of the edges comes in the background, when the map has come to rest.
+bool wait_until_judged(client::Client& client, const std::string& map) {
+  for (int i = 0; i < 600; ++i) {
+    const auto edges = client.edges(map);
+    if (std::ranges::all_of(*edges, [](const auto& edge) { return edge.confidence.has_value(); })) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  return false;
 }
 
 TEST(SameMap, WhateverTheNumberOfThreads) {
@@ -157,6 +170,7 @@ TEST(SameMap, WhateverTheNumberOfThreads) {
                          {"--extract-threads", std::to_string(threads)});
     client::Client client(server.url());
     upload_folder(client, "a", photos, threads);
+    ASSERT_TRUE(wait_until_judged(client, "a"));
     const auto got = description(client, "a");
     if (expected.empty()) expected = got;
     EXPECT_GT(std::count(got.begin(), got.end(), '-'), 50);
