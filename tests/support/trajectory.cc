@@ -112,15 +112,6 @@ class Driver {
   TrajectoryOptions options_;
 };
 
-// Slowly changing, within +-1.
-double slow(std::uint64_t seed, double t) {
-  const double whole = std::floor(t);
-  const auto lattice = [seed](double i) { return Random(hash_of(seed, static_cast<std::int64_t>(i))).uniform(-1, 1); };
-  const double f = t - whole;
-  const double s = f * f * (3 - 2 * f);
-  return lattice(whole) * (1 - s) + lattice(whole + 1) * s;
-}
-
 void check(const TrajectoryOptions& options) {
   if (options.n_images < 0 || !(options.step_m >= 0.02) || !(options.turn_deg >= 1) ||
       !(options.turn_back_after >= 0)) {
@@ -155,7 +146,7 @@ std::vector<Pose> trajectory(const RenderedWorld& world, const TrajectoryOptions
     Pose pose = lap[static_cast<std::size_t>((((options.start + index) % length) + length) % length)];
     const double heading = pose.heading_deg;
     Random random(hash_of(options.seed, 71, i));
-    const double sway = options.sway_m * slow(hash_of(options.seed, 72), i / 9.0);
+    const double sway = options.sway_m * slow_noise(hash_of(options.seed, 72), i / 9.0);
     pose.x_m += -sin_deg(heading) * sway;
     pose.y_m += cos_deg(heading) * sway;
     pose.heading_deg = wrap_deg(heading + extra_turn + options.heading_jitter_deg * random.gaussian());

@@ -40,6 +40,24 @@ struct TwoRobots {
 TwoRobots two_robots(const RenderedWorld& world, int n_images_a, int n_images_b, std::uint64_t seed,
                      double overlap = 0.75);
 
+// A camera that is carried about in one room and films: it walks from one free place to the next, looks about as it
+// goes, and turns all round more than once. Successive images are a few centimetres and degrees apart, as at video
+// rate.
+struct FilmOptions {
+  int n_images = 90;
+  std::uint64_t seed = 1;
+  int storey = 0;
+  std::size_t room = 0;  // of the plan's, an open one
+  double step_m = 0.05;
+  double turn_deg = 6;  // at most
+};
+
+// Exactly n_images poses, in order, all in free space. Throws std::invalid_argument for a closed room.
+std::vector<Pose> film(const RenderedWorld& world, const FilmOptions& options);
+
+// The open room with the largest floor. Throws std::invalid_argument if all are closed.
+std::size_t largest_open_room(const RenderedWorld& world);
+
 // Poses off the trajectories but near them: some decimetres aside and some degrees turned, in free space.
 std::vector<Pose> query_poses(const RenderedWorld& world, const std::vector<Pose>& driven, int n_queries,
                               std::uint64_t seed);

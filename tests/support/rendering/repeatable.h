@@ -65,6 +65,15 @@ class Random {
   std::uint64_t state_;
 };
 
+// Changes slowly with t, within +-1; whole numbers of t are a turn apart.
+inline double slow_noise(std::uint64_t seed, double t) {
+  const double whole = std::floor(t);
+  const auto lattice = [seed](double i) { return Random(hash_of(seed, static_cast<std::int64_t>(i))).uniform(-1, 1); };
+  const double f = t - whole;
+  const double s = f * f * (3 - 2 * f);
+  return lattice(whole) * (1 - s) + lattice(whole + 1) * s;
+}
+
 // In [0, 360).
 inline double wrap_deg(double angle_deg) {
   const double wrapped = angle_deg - 360.0 * std::floor(angle_deg / 360.0);
