@@ -77,11 +77,15 @@ RenderedWorld::RenderedWorld(const WorldOptions& options) : parts_(std::make_uni
       camera.width_px > 4096 || camera.height_px < 16 || camera.height_px > 4096 || !(camera.focal_px > 1)) {
     throw std::invalid_argument("a world needs a storey, a poster and a camera");
   }
+  if (!(options.worn_copies >= 0) || !(options.worn_copies <= 1)) {
+    throw std::invalid_argument("storeys are worn from 0 to 1");
+  }
   parts_->plan = make_floor_plan({options.corridors, options.corridor_length_m, options.open_rooms,
                                   options.look_alike_corridors > 0, options.seed});
   Deck deck(hash_of(options.seed, 61), options.catalogue_posters, options.posters_in_two_places);
   for (int i = 0; i < options.storeys; ++i) {
-    const StoreyOptions storey{options.seed, i, options.look_alike_corridors, options.look_alike_storeys};
+    const StoreyOptions storey{options.seed, i, options.look_alike_corridors, options.look_alike_storeys,
+                               options.worn_copies};
     parts_->storeys.push_back(build_storey(parts_->plan, storey, parts_->catalogue, deck));
     for (const PosterPlace& place : parts_->storeys.back().posters) {
       const double facing = place.facing.x > 0.5 ? 0 : place.facing.y > 0.5 ? 90 : place.facing.x < -0.5 ? 180 : 270;

@@ -48,6 +48,9 @@ struct WorldOptions {
   double look_alike_corridors = 0;
   // Likewise for storeys, rooms included. Storeys always share plan and paint.
   double look_alike_storeys = 0;
+  // Has every storey aged on its own? Other stains, notices, lamps and clutter, on the same plan with the same pieces
+  // at the same places. 0: as new, so that what looks alike is the same to the pixel. 1: as two real storeys differ.
+  double worn_copies = 0;
   int posters_in_two_places = 0;  // so many posters hang twice, in otherwise different places
 
   std::uint64_t seed = 1;

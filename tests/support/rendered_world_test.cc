@@ -15,6 +15,7 @@
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "tests/support/image_checksum.h"
 #include "tests/support/rendering/floor_plan.h"
 #include "tests/support/shared_view.h"
 #include "tests/support/trajectory.h"
@@ -22,19 +23,8 @@
 namespace mapweld::rendered {
 namespace {
 
-std::uint64_t fnv(const cv::Mat& image) {
-  std::uint64_t hash = 0xcbf29ce484222325ULL;
-  for (int y = 0; y < image.rows; ++y) {
-    const std::uint8_t* row = image.ptr(y);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(image.cols) * image.elemSize(); ++i) {
-      hash = (hash ^ row[i]) * 0x100000001b3ULL;
-    }
-  }
-  return hash;
-}
-
 bool same(const cv::Mat& a, const cv::Mat& b) {
-  return a.size() == b.size() && a.type() == b.type() && fnv(a) == fnv(b);
+  return a.size() == b.size() && a.type() == b.type() && checksum(a) == checksum(b);
 }
 
 // The default world and a drive through it, built once.
@@ -101,11 +91,11 @@ TEST(RenderedWorld, IsTheSameFromTheSameOptions) {
 
 TEST(RenderedWorld, IsTheSameOnTwoThreads) {
   std::vector<std::uint64_t> one;
-  for (std::size_t i = 0; i < 24; ++i) one.push_back(fnv(world().render(pose_at(i)).bgr));
+  for (std::size_t i = 0; i < 24; ++i) one.push_back(checksum(world().render(pose_at(i)).bgr));
   std::vector<std::uint64_t> two(one.size());
   {
     const auto half = [&](std::size_t first) {
-      for (std::size_t i = first; i < two.size(); i += 2) two[i] = fnv(world().render(pose_at(i)).bgr);
+      for (std::size_t i = first; i < two.size(); i += 2) two[i] = checksum(world().render(pose_at(i)).bgr);
     };
     const std::jthread other(half, std::size_t{1});
     half(0);
@@ -116,15 +106,15 @@ TEST(RenderedWorld, IsTheSameOnTwoThreads) {
 // The world is frozen: figures in docs/ are measured on it, and seeds in other tests rely on it. If a change is meant,
 // measure docs/rendered-world.md again.
 TEST(RenderedWorld, IsFrozen) {
-  EXPECT_EQ(fnv(world().render(pose_at(5)).bgr), 11851742043122330714ULL);
-  EXPECT_EQ(fnv(world().render(pose_at(60)).bgr), 1694813705279022702ULL);
+  EXPECT_EQ(checksum(world().render(pose_at(5)).bgr), 11851742043122330714ULL);
+  EXPECT_EQ(checksum(world().render(pose_at(60)).bgr), 1694813705279022702ULL);
   CameraConditions dusk;
   dusk.daylight = 0.1;
   dusk.gamma = 1.2;
   dusk.warmth = 0.5;
   dusk.motion_blur_px = 2;
   dusk.noise_seed = 3;
-  EXPECT_EQ(fnv(world().render(pose_at(100), dusk).bgr), 14047900508788750550ULL);
+  EXPECT_EQ(checksum(world().render(pose_at(100), dusk).bgr), 14047900508788750550ULL);
 }
 
 TEST(RenderedWorld, LeavesNoPixelUnpainted) {

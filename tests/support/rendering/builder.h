@@ -3,6 +3,7 @@
 
 #include "tests/support/rendering/catalogue.h"
 #include "tests/support/rendering/scene.h"
+#include "tests/support/rendering/wear.h"
 
 namespace mapweld::rendered {
 
@@ -48,13 +49,15 @@ inline BoxSkin all_over(const Skin& skin) { return {skin, skin, skin, skin}; }
 
 class Builder {
  public:
-  Builder(Catalogue& catalogue, Cell& cell) : catalogue_(catalogue), cell_(cell) {}
+  Builder(Catalogue& catalogue, Cell& cell, Wear& wear) : catalogue_(catalogue), cell_(cell), wear_(wear) {}
+  // Builds the same elsewhere.
+  Builder(const Builder& other, Cell& cell) : Builder(other.catalogue_, cell, other.wear_) {}
 
   Skin fitted(Design design, std::uint64_t index, Glow glow = Glow::kNone) {
-    return {catalogue_.texture(design, index), 0, glow, 0, 0, 0};
+    return {catalogue_.texture(design, index, wear_.copy_of(design)), 0, glow, 0, 0, 0};
   }
   Skin tiled(Design design, std::uint64_t index, double tile_m = 1.0) {
-    return {catalogue_.texture(design, index), tile_m, Glow::kNone, 0, 0, 0};
+    return {catalogue_.texture(design, index, wear_.copy_of(design)), tile_m, Glow::kNone, 0, 0, 0};
   }
 
   // A vertical rectangle parallel to the wall at distance t, seen from the room.
@@ -71,12 +74,14 @@ class Builder {
   void block(const WallFrame& frame, const Span& s, const Span& t);
 
   Cell& cell() { return cell_; }
+  Wear& wear() { return wear_; }
 
  private:
   void add(const Vec3& corner, const Vec3& across, const Vec3& down, double width, double height, const Skin& skin);
 
   Catalogue& catalogue_;
   Cell& cell_;
+  Wear& wear_;
 };
 
 }  // namespace mapweld::rendered

@@ -4,10 +4,11 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <utility>
+#include <tuple>
 
 #include "tests/support/rendering/paint.h"
 #include "tests/support/rendering/texture.h"
+#include "tests/support/rendering/wear.h"
 
 namespace mapweld::rendered {
 
@@ -59,6 +60,8 @@ enum class Design : std::uint8_t {
   kRug,        // 2.0 m x 1.4 m
   kLampPanel,  // 1.2 m x 0.3 m
   kVent,       // 0.6 m x 0.6 m
+  // wear
+  kMark,  // 0.4 m x 0.4 m, cut out
 };
 
 // Not for several threads while textures are being painted.
@@ -66,19 +69,20 @@ class Catalogue {
  public:
   explicit Catalogue(std::uint64_t seed) : seed_(seed) {}
 
-  // The design number `index` of a kind. Valid as long as the catalogue.
-  const Texture* texture(Design design, std::uint64_t index);
+  // The design number `index` of a kind, or a worn copy of it. Valid as long as the catalogue.
+  const Texture* texture(Design design, std::uint64_t index, const WornCopy& copy = {});
 
  private:
   std::uint64_t seed_;
-  std::map<std::pair<Design, std::uint64_t>, std::unique_ptr<Texture>> textures_;
+  std::map<std::tuple<Design, std::uint64_t, std::uint64_t>, std::unique_ptr<Texture>> textures_;
 };
 
-// Painters, by what they paint (paint_*.cc). All draw from `random` alone.
+// Painters, by what they paint (paint_*.cc). All draw from what is random in their arguments alone.
 cv::Mat paint_material(Design design, Random& random);
 cv::Mat paint_poster(Random& random);
 cv::Mat paint_picture(Random& random);
-cv::Mat paint_wall_thing(Design design, std::uint64_t index, Random& random);
+// `notices`, which may be the same: decide what is taped to it.
+cv::Mat paint_wall_thing(Design design, std::uint64_t index, Random& random, Random& notices);
 cv::Mat paint_furniture(Design design, Random& random);
 
 }  // namespace mapweld::rendered

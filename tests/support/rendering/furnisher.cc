@@ -9,6 +9,23 @@ namespace {
 
 bool overlap(const Area& a, const Area& b) { return a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1; }
 
+// Notices and what people carry about.
+bool can_be_gone(Piece piece) {
+  switch (piece) {
+    case Piece::kPoster:
+    case Piece::kPicture:
+    case Piece::kNoticeBoard:
+    case Piece::kWhiteboard:
+    case Piece::kSheets:
+    case Piece::kPlant:
+    case Piece::kCartons:
+    case Piece::kBin:
+      return true;
+    default:
+      return false;
+  }
+}
+
 }  // namespace
 
 std::uint64_t Furnisher::place_seed(int corridor, int side, int place) const {
@@ -17,24 +34,27 @@ std::uint64_t Furnisher::place_seed(int corridor, int side, int place) const {
   const bool like_ground = own.chance(options_.look_alike_storeys);
   return hash_of(options_.seed, 32, like_ground ? 0 : options_.storey, like_first ? 0 : corridor, side, place);
 }
-std::uint64_t Furnisher::design_of(Piece piece, std::uint64_t key, Random& random) {
+
+std::uint64_t Furnisher::design_of(Piece piece, std::uint64_t key, Random& random, Wear& wear) {
+  // Wear: by this probability another one than was there when all was new.
+  const auto deal = [&](Design kind, double other) { return deck_.deal(kind, wear.other_place(key, other)); };
   switch (piece) {
     case Piece::kPoster:
-      return deck_.deal(Design::kPoster, key);
+      return deal(Design::kPoster, 0.75);
     case Piece::kPicture:
-      return deck_.deal(Design::kPicture, key);
+      return deal(Design::kPicture, 0.75);
     case Piece::kNoticeBoard:
-      return deck_.deal(Design::kNoticeBoard, key);
+      return deal(Design::kNoticeBoard, 1);
     case Piece::kWhiteboard:
-      return deck_.deal(Design::kWhiteboard, key);
+      return deal(Design::kWhiteboard, 1);
     case Piece::kBookshelf:
-      return deck_.deal(Design::kBookshelf, key);
+      return deal(Design::kBookshelf, 1);
     case Piece::kStoreShelf:
-      return deck_.deal(Design::kStoreShelf, key);
+      return deal(Design::kStoreShelf, 1);
     case Piece::kWindow:
-      return deck_.deal(Design::kWindow, key);
+      return deal(Design::kWindow, 0.5);
     case Piece::kSheets:
-      return deck_.deal(Design::kSheet, key);
+      return deal(Design::kSheet, 1);
     default:
       return static_cast<std::uint64_t>(random.below(60));
   }
@@ -49,7 +69,7 @@ bool Furnisher::place(Builder& builder, Wall& wall, Piece piece, double s, std::
   const WallFrame at = wall.frame.moved(s, 0);
   if (size.depth_m > 0.2 || lane != nullptr) {
     Cell probe;
-    Builder measure(catalogue_, probe);
+    Builder measure(builder, probe);
     measure.block(at, {-0.03, size.width_m + 0.03}, {0, size.depth_m + 0.03});
     const Area& area = probe.footprints.front();
     if (lane != nullptr && size.depth_m > 0.2 && overlap(area, *lane)) return false;
@@ -61,7 +81,14 @@ bool Furnisher::place(Builder& builder, Wall& wall, Piece piece, double s, std::
     }
   }
   wall.taken.push_back({along, up});
-  const std::uint64_t design = design_of(piece, key, random);
+  const std::uint64_t design = design_of(piece, key, random, builder.wear());
+  if (can_be_gone(piece) && builder.wear().happens(0.15)) {
+    // Its numbers are drawn all the same: what comes after it stays where it is.
+    Cell nowhere;
+    Builder gone(builder, nowhere);
+    mapweld::rendered::build(gone, piece, at, design, random);
+    return true;
+  }
   mapweld::rendered::build(builder, piece, at, design, random);
   if (piece == Piece::kPoster) {
     posters_.push_back({design, at.at(size.width_m / 2, 0, (size.bottom_m + size.top_m) / 2), at.out});

@@ -18,6 +18,7 @@ struct StoreyOptions {
   int storey = 0;
   double look_alike_corridors = 0;  // probability that a place of a corridor is dressed as in the first corridor
   double look_alike_storeys = 0;    // likewise, as on the ground floor
+  double worn_copies = 0;           // how much it has aged on its own
 };
 
 // Where a poster hangs.
@@ -51,7 +52,7 @@ class Furnisher {
   static constexpr int kUnlike = 1000;
 
  private:
-  std::uint64_t design_of(Piece piece, std::uint64_t key, Random& random);
+  std::uint64_t design_of(Piece piece, std::uint64_t key, Random& random, Wear& wear);
 
   StoreyOptions options_;
   Catalogue& catalogue_;

@@ -9,7 +9,7 @@
 namespace mapweld::rendered {
 namespace {
 
-cv::Mat paint_door(Random& random) {
+cv::Mat paint_door(Random& random, Random& notices) {
   const int w = 256;
   const int h = 540;
   Colour colour = Hsv{random.uniform(0, 360), random.uniform(0.05, 0.55), random.uniform(0.25, 0.75)};
@@ -46,12 +46,12 @@ cv::Mat paint_door(Random& random) {
   fill(door, handle_left ? x - 5 : x - 36, h * 0.485, 42, 8, rgb(225, 225, 225));
   fill(door, handle_left ? x - 5 : x - 36, h * 0.498, 42, 3, rgb(70, 70, 70));
   disc(door, x, h * 0.54, 4, rgb(30, 30, 30));
-  if (random.chance(0.45)) {  // a sheet taped to it
-    const double px = w * random.uniform(0.25, 0.5);
-    const double py = h * random.uniform(0.34, 0.42);
+  if (notices.chance(0.45)) {  // a sheet taped to it
+    const double px = w * notices.uniform(0.25, 0.5);
+    const double py = h * notices.uniform(0.34, 0.42);
     fill(door, px, py, 60, 82, rgb(246, 246, 240));
-    fill(door, px + 6, py + 6, 30, 8, any_colour(random));
-    print_lines(door, px + 6, py + 20, 48, 56, 8, rgb(60, 60, 60), random);
+    fill(door, px + 6, py + 6, 30, 8, any_colour(notices));
+    print_lines(door, px + 6, py + 20, 48, 56, 8, rgb(60, 60, 60), notices);
   }
   outline(door, 0, 0, w, h, scaled(colour, 0.55), 4);
   return door;
@@ -259,14 +259,14 @@ cv::Mat paint_window(Random& random) {
 
 }  // namespace
 
-cv::Mat paint_wall_thing(Design design, std::uint64_t index, Random& random) {
+cv::Mat paint_wall_thing(Design design, std::uint64_t index, Random& random, Random& notices) {
   switch (design) {
     case Design::kNoticeBoard:
       return paint_notice_board(random);
     case Design::kWhiteboard:
       return paint_whiteboard(random);
     case Design::kDoor:
-      return paint_door(random);
+      return paint_door(random, notices);
     case Design::kDoorPlate:
       return paint_door_plate(index, random);
     case Design::kSign:

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "tests/support/rendering/clutter.h"
 #include "tests/support/rendering/repeatable.h"
 
 namespace mapweld::rendered {
@@ -15,54 +16,17 @@ BoxSkin fronted(Builder& b, Design front, std::uint64_t design) {
 void hang(Builder& b, const WallFrame& f, Design picture, std::uint64_t design, const PieceSize& size, double thickness,
           double dz) {
   const Skin edge = b.tiled(Design::kPaint, design % 5);
+  dz += b.wear().shift(0.03);
+  const double s = b.wear().shift(0.03);
   const Span z{size.bottom_m + dz, size.top_m + dz};
-  b.box(f, {0, size.width_m}, {0, thickness}, z, {b.fitted(picture, design), edge, edge, edge}, true);
-}
-
-void chair(Builder& b, const WallFrame& f, double s, double t, double angle_deg, std::uint64_t design) {
-  const WallFrame at = f.moved(s, t).turned(angle_deg);
-  const BoxSkin fabric = all_over(b.tiled(Design::kFabric, design % 6));
-  const BoxSkin metal = all_over(b.tiled(Design::kMetal, design % 3));
-  b.box(at, {-0.23, 0.23}, {-0.23, 0.23}, {0.42, 0.49}, fabric);
-  b.box(at, {-0.21, 0.21}, {0.2, 0.26}, {0.58, 1.0}, fabric);
-  b.box(at, {-0.03, 0.03}, {0.2, 0.25}, {0.45, 0.6}, metal);
-  b.box(at, {-0.03, 0.03}, {-0.03, 0.03}, {0.1, 0.42}, metal);
-  b.box(at, {-0.26, 0.26}, {-0.03, 0.03}, {0.04, 0.1}, metal);
-  b.box(at, {-0.03, 0.03}, {-0.26, 0.26}, {0.04, 0.1}, metal);
-}
-
-void things_on_top(Builder& b, const WallFrame& f, const Span& s, const Span& t, double z, int count, Random& random) {
-  for (int i = 0; i < count; ++i) {
-    const double x = random.uniform(s.from, s.to - 0.32);
-    const double y = random.uniform(t.from, t.to - 0.24);
-    switch (random.below(4)) {
-      case 0: {  // a mug or a pot
-        const BoxSkin skin = all_over(b.tiled(Design::kPaint, static_cast<std::uint64_t>(random.below(12)), 0.5));
-        b.box(f, {x, x + 0.08}, {y, y + 0.08}, {z, z + 0.1}, skin);
-        break;
-      }
-      case 1: {  // a pile of books
-        double top = z;
-        const int books = random.between(1, 4);
-        for (int k = 0; k < books; ++k) {
-          const BoxSkin skin = all_over(b.tiled(Design::kPaint, static_cast<std::uint64_t>(random.below(12)), 0.5));
-          const double inset = random.uniform(0, 0.03);
-          b.box(f, {x + inset, x + 0.26}, {y + inset, y + 0.2}, {top, top + 0.035}, skin);
-          top += 0.036;
-        }
-        break;
-      }
-      default:
-        b.sheet(f, {x, x + 0.3}, {y, y + 0.21}, z + 0.004 + 0.001 * i,
-                b.fitted(Design::kPaper, static_cast<std::uint64_t>(random.below(40))));
-    }
-  }
+  b.box(f, {s, s + size.width_m}, {0, thickness}, z, {b.fitted(picture, design), edge, edge, edge}, true);
 }
 
 void screen(Builder& b, const WallFrame& f, double s, double t, double z, double angle_deg, Random& random) {
-  const WallFrame at = f.moved(s, t).turned(angle_deg);
+  const WallFrame at = f.moved(s + b.wear().shift(0.12), t).turned(angle_deg + b.wear().shift(15));
   const Skin metal = b.tiled(Design::kMetal, 1);
-  const Skin picture = b.fitted(Design::kScreen, static_cast<std::uint64_t>(random.below(30)), Glow::kScreen);
+  const std::uint64_t shown = b.wear().other(static_cast<std::uint64_t>(random.below(30)), 30, 0.8);
+  const Skin picture = b.fitted(Design::kScreen, shown, Glow::kScreen);
   b.box(at, {-0.27, 0.27}, {-0.02, 0.03}, {z + 0.12, z + 0.46}, {picture, metal, metal, metal});
   b.box(at, {-0.03, 0.03}, {-0.03, 0.0}, {z, z + 0.14}, all_over(metal));
   b.box(at, {-0.12, 0.12}, {-0.1, 0.1}, {z, z + 0.02}, all_over(metal));
@@ -83,7 +47,8 @@ void desk(Builder& b, const WallFrame& f, const PieceSize& size, std::uint64_t d
   const double at = drawers_left ? w * 0.64 : w * 0.36;
   const double turn = random.uniform(-14, 14);
   screen(b, f, at, 0.25, 0.74, turn, random);
-  b.sheet(f, {at - 0.23, at + 0.22}, {d - 0.27, d - 0.11}, 0.752, b.fitted(Design::kKeyboard, design % 3));
+  const double keys = at + b.wear().shift(0.12);
+  b.sheet(f, {keys - 0.23, keys + 0.22}, {d - 0.27, d - 0.11}, 0.752, b.fitted(Design::kKeyboard, design % 3));
   things_on_top(b, f, {0.05, w - 0.05}, {0.05, d - 0.05}, 0.742, random.between(3, 6), random);
   const double angle = random.uniform(-50, 50);
   chair(b, f, at, d + 0.2, angle, design);
@@ -94,9 +59,9 @@ void plant(Builder& b, const WallFrame& f, const PieceSize& size, std::uint64_t 
   const double s = size.width_m / 2;
   const double t = size.depth_m / 2;
   b.box(f, {s - 0.16, s + 0.16}, {t - 0.16, t + 0.16}, {0, 0.34}, pot);
-  const double top = random.uniform(1.1, 1.6);
-  const Skin leaves = b.fitted(Design::kLeaves, design % 8);
-  const double turn = random.uniform(0, 60);
+  const double top = random.uniform(1.1, 1.6) + b.wear().shift(0.25);
+  const Skin leaves = b.fitted(Design::kLeaves, b.wear().other(design % 8, 8, 0.5));
+  const double turn = random.uniform(0, 60) + b.wear().shift(30);
   for (const double angle : {0.0, 60.0, 120.0}) {
     b.cut_out(f, s, t, size.width_m * 1.3, {0.3, top}, turn + angle, leaves);
   }
@@ -115,23 +80,6 @@ void window(Builder& b, const WallFrame& f, const PieceSize& size, std::uint64_t
   b.box(f, {w / 2 - 0.55, w / 2 + 0.55}, {0.02, 0.12}, {0.15, 0.7},
         {b.fitted(Design::kRadiator, 0), frame.sides, frame.top, frame.back});
   b.cell().lamps.push_back({f.at(w / 2, 0.05, 1.6), 2.0, true, f.out});
-}
-
-void cartons(Builder& b, const WallFrame& f, const PieceSize& size, Random& random) {
-  double s = 0.03;
-  while (s + 0.35 < size.width_m) {
-    const double w = random.uniform(0.34, 0.5);
-    double z = 0;
-    const int count = random.between(1, 3);
-    for (int i = 0; i < count; ++i) {
-      const double h = random.uniform(0.24, 0.38);
-      const WallFrame at = f.moved(s + w / 2, size.depth_m / 2).turned(random.uniform(-9, 9));
-      const Skin side = b.fitted(Design::kCarton, static_cast<std::uint64_t>(random.below(12)));
-      b.box(at, {-w / 2, w / 2}, {-0.18, 0.18}, {z, z + h}, all_over(side));
-      z += h;
-    }
-    s += w + 0.05;
-  }
 }
 
 void table(Builder& b, const WallFrame& f, const PieceSize& size, std::uint64_t design, Random& random) {
@@ -282,8 +230,8 @@ void build(Builder& b, Piece piece, const WallFrame& f, std::uint64_t design, Ra
     case Piece::kSheets:
       for (int i = 0; i < 3; ++i) {
         if (!random.chance(0.8)) continue;
-        const double s = 0.25 * i + random.uniform(0, 0.04);
-        const double z = size.bottom_m + random.uniform(0, 0.2);
+        const double s = 0.25 * i + random.uniform(0, 0.04) + b.wear().shift(0.04);
+        const double z = size.bottom_m + random.uniform(0, 0.2) + b.wear().shift(0.1);
         b.panel(f, {s, s + 0.21}, 0.006, {z, z + 0.3},
                 b.fitted(Design::kSheet, design * 3 + static_cast<std::uint64_t>(i)));
       }
@@ -291,16 +239,7 @@ void build(Builder& b, Piece piece, const WallFrame& f, std::uint64_t design, Ra
     case Piece::kWallShelf: {
       const BoxSkin wood = all_over(b.tiled(Design::kLaminate, design % 7));
       b.box(f, width, {0, d}, {size.bottom_m, size.bottom_m + 0.03}, wood, true);
-      double s = 0.03;
-      while (s < w - 0.2) {
-        const double wide = random.uniform(0.08, 0.22);
-        const double high = random.uniform(0.1, 0.32);
-        const Skin side = random.chance(0.4)
-                              ? b.fitted(Design::kCarton, static_cast<std::uint64_t>(random.below(12)))
-                              : b.tiled(Design::kPaint, static_cast<std::uint64_t>(random.below(24)), 0.5);
-        b.box(f, {s, s + wide}, {0.02, 0.2}, {size.bottom_m + 0.03, size.bottom_m + 0.03 + high}, all_over(side));
-        s += wide + random.uniform(0.01, 0.1);
-      }
+      things_on_shelf(b, f, size, random);
       break;
     }
     case Piece::kDuct: {
@@ -366,7 +305,8 @@ void build(Builder& b, Piece piece, const WallFrame& f, std::uint64_t design, Ra
       break;
     case Piece::kRack: {
       const Skin metal = b.tiled(Design::kMetal, 2);
-      b.box(f, width, depth, {0, size.top_m}, {b.fitted(Design::kRack, design % 12), metal, metal, metal});
+      b.box(f, width, depth, {0, size.top_m},
+            {b.fitted(Design::kRack, b.wear().other(design % 12, 12, 0.7)), metal, metal, metal});
       break;
     }
     case Piece::kCartons:

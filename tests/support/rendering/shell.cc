@@ -97,15 +97,18 @@ void build_lamps(Builder& b, double pitch_m, int rows) {
                                     : WallFrame::facing({area.x0, area.y0, 0}, {1, 0, 0});
   const double length = std::max(area.width(), area.height());
   const double depth = std::min(area.width(), area.height());
-  const Skin panel = b.fitted(Design::kLampPanel, 0, Glow::kLamp);
+  Skin panel = b.fitted(Design::kLampPanel, 0, Glow::kLamp);
   const Skin vent = b.fitted(Design::kVent, 0);
   const int count = std::max(1, static_cast<int>(length / pitch_m + 0.5));
   for (int i = 0; i < count; ++i) {
     const double s = length * (i + 0.5) / count;
     for (int row = 0; row < rows; ++row) {
       const double t = depth * (row + 0.5) / rows;
+      const double power = b.wear().lamp_power();
+      panel.glow = power > 0 ? Glow::kLamp : Glow::kNone;
       b.sheet(frame, {s - 0.6, s + 0.6}, {t - 0.15, t + 0.15}, height - 0.015, panel, false);
-      b.cell().lamps.push_back({frame.at(s, t, height - 0.02), 1.5 / (rows > 1 ? 1.4 : 1.0), false, {0, 0, -1}});
+      b.cell().lamps.push_back(
+          {frame.at(s, t, height - 0.02), 1.5 / (rows > 1 ? 1.4 : 1.0) * power, false, {0, 0, -1}});
     }
     if (i % 3 == 1)
       b.sheet(frame, {s + 1.0, s + 1.5}, {depth / 2 - 0.25, depth / 2 + 0.25}, height - 0.01, vent, false);

@@ -17,7 +17,11 @@ namespace {
 class Mason {
  public:
   Mason(const FloorPlan& plan, const StoreyOptions& options, Catalogue& catalogue, Deck& deck)
-      : plan_(plan), options_(options), catalogue_(catalogue), furnisher_(options, catalogue, deck) {}
+      : plan_(plan),
+        options_(options),
+        catalogue_(catalogue),
+        furnisher_(options, catalogue, deck),
+        wear_(options.worn_copies, options.seed, options.storey) {}
 
   Storey build() {
     number_cells();
@@ -27,6 +31,7 @@ class Mason {
       if (plan_.rooms[r].open) build_room(static_cast<int>(r));
     }
     light_scene(storey_.scene);
+    wear_.shade(storey_.scene);
     storey_.posters = furnisher_.posters();
     return std::move(storey_);
   }
@@ -65,7 +70,7 @@ class Mason {
 
   void build_corridor(int k) {
     const Area& area = plan_.corridors[static_cast<std::size_t>(k)];
-    Builder builder(catalogue_, cell(k));
+    Builder builder(catalogue_, cell(k), wear_);
     const ShellDesigns designs = corridor_designs(k);
     Random look(hash_of(options_.seed, 43, reference_corridor(k)));
     const std::array<std::uint64_t, 2> doors{static_cast<std::uint64_t>(look.below(40)),
@@ -140,7 +145,7 @@ class Mason {
   void build_cross(int side) {
     const int index = static_cast<int>(plan_.corridors.size()) + side;
     const Area& area = plan_.cross_corridors[static_cast<std::size_t>(side)];
-    Builder builder(catalogue_, cell(index));
+    Builder builder(catalogue_, cell(index), wear_);
     const int name = Furnisher::kUnlike + side;
     const ShellDesigns designs = corridor_designs(name);
     std::array<Wall, 4> walls{wall_of(area, Side::kSouth), wall_of(area, Side::kNorth), wall_of(area, Side::kWest),
@@ -174,7 +179,7 @@ class Mason {
   void build_room(int r) {
     const Room& room = plan_.rooms[static_cast<std::size_t>(r)];
     const int index = storey_.room_cells[static_cast<std::size_t>(r)];
-    Builder builder(catalogue_, cell(index));
+    Builder builder(catalogue_, cell(index), wear_);
     Random own(hash_of(room.seed, 51, options_.storey));
     const bool like_ground = own.chance(options_.look_alike_storeys);
     Random random(hash_of(room.seed, 52, like_ground ? 0 : options_.storey));
@@ -239,8 +244,12 @@ class Mason {
   template <std::size_t N>
   void finish(Builder& builder, const std::array<Wall, N>& walls, const ShellDesigns& designs, double lamp_pitch,
               int lamp_rows, std::uint64_t ceiling) {
-    for (const Wall& wall : walls) build_wall(builder, wall, designs);
+    for (const Wall& wall : walls) {
+      build_wall(builder, wall, designs);
+      wear_.mark_wall(builder, wall);
+    }
     build_floor_and_ceiling(builder, designs);
+    wear_.mark_floor_and_ceiling(builder);
     build_lamps(builder, lamp_pitch, lamp_rows);
     build_ceiling_things(builder, hash_of(options_.seed, 46, ceiling));
   }
@@ -249,6 +258,7 @@ class Mason {
   const StoreyOptions& options_;
   Catalogue& catalogue_;
   Furnisher furnisher_;
+  Wear wear_;
   Storey storey_;
 };
 
