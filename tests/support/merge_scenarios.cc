@@ -51,11 +51,12 @@ struct Cast {
   std::optional<RenderedWorld> other_world;  // of b, where it is another
   std::vector<Pose> a;
   std::vector<Pose> b;
+  MapParameters parameters;
 
   MadeMerge merge(std::uint64_t seed, const Vocabulary& vocabulary, int threads) const {
     const Drive drive_a{&*world, a, conditions_of_a(), hash_of(seed, 1)};
     const Drive drive_b{other_world ? &*other_world : &*world, b, conditions_of_b(), hash_of(seed, 2)};
-    return make_merge(drive_a, drive_b, vocabulary, threads);
+    return make_merge(drive_a, drive_b, vocabulary, threads, parameters);
   }
 };
 
@@ -91,22 +92,45 @@ Cast make_cast(std::string_view name, std::uint64_t seed) {
     cast.b = trajectory(*cast.world, whole_lap(*cast.world, hash_of(seed, 82)));
     if (name == "corridors-apart") cast.a = along_corridor(*cast.world, whole_lap(*cast.world, hash_of(seed, 81)), 0);
     if (name != "corridors") cast.b = along_corridor(*cast.world, whole_lap(*cast.world, hash_of(seed, 82)), 2);
-  } else if (name == "storeys" || name == "storeys-lift" || name == "storeys-apart") {
+  } else if (name == "storeys" || name == "storeys-lift" || name == "storeys-apart" || name == "worn-storeys" ||
+             name == "worn-storeys-apart") {
     WorldOptions options = two_corridors(seed);
     options.corridors = 1;
     options.corridor_length_m = 12;
     options.storeys = 2;
     options.look_alike_storeys = 0.9;
+    options.worn_copies = name.starts_with("worn") ? 1 : 0;
     cast.world.emplace(options);
     cast.a = trajectory(*cast.world, whole_lap(*cast.world, hash_of(seed, 81)));
-    if (name != "storeys-apart") {
+    if (!name.ends_with("storeys-apart")) {
       // Upstairs it begins at the other end of the corridor; out of a lift, at the place where it left the floor below.
       TrajectoryOptions lap = whole_lap(*cast.world, hash_of(seed, 83), 1);
-      if (name == "storeys") lap.start = lap.n_images / 2;
+      if (name != "storeys-lift") lap.start = lap.n_images / 2;
       const auto above = trajectory(*cast.world, lap);
       cast.a.insert(cast.a.end(), above.begin(), above.end());
     }
     cast.b = trajectory(*cast.world, whole_lap(*cast.world, hash_of(seed, 82), 1));
+  } else if (name == "worn-look-alike") {
+    // Storeys share nothing but their design: as good as two buildings.
+    WorldOptions options = two_corridors(seed);
+    options.storeys = 2;
+    options.look_alike_storeys = 1;
+    options.worn_copies = 1;
+    cast.world.emplace(options);
+    cast.a = trajectory(*cast.world, whole_lap(*cast.world, hash_of(seed, 81)));
+    cast.b = trajectory(*cast.world, whole_lap(*cast.world, hash_of(seed, 82), 1));
+  } else if (name == "filmed-room") {
+    WorldOptions options = two_corridors(seed);
+    options.corridors = 1;
+    options.open_rooms = 1;
+    cast.world.emplace(options);
+    FilmOptions take;
+    take.room = largest_open_room(*cast.world);
+    take.seed = hash_of(seed, 81);
+    cast.a = film(*cast.world, take);
+    take.seed = hash_of(seed, 82);
+    cast.b = film(*cast.world, take);
+    cast.parameters.max_inliers = kUnlimitedInliers;
   } else if (name == "posters") {
     WorldOptions options = two_corridors(seed);
     options.posters_in_two_places = 8;
@@ -169,6 +193,10 @@ const std::vector<MergeScenario>& merge_scenarios() {
       {"storeys", "two look-alike storeys, the first robot sees both, the second one", false},
       {"storeys-lift", "the same, and it comes up where it left the floor below", false},
       {"storeys-apart", "the same, each robot sees another one", false},
+      {"worn-storeys", "storeys, each with wear, notices, light and clutter of its own"},
+      {"worn-storeys-apart", "storeys-apart, likewise"},
+      {"worn-look-alike", "two buildings of one design, likewise, each robot sees one"},
+      {"filmed-room", "one room filmed twice at video rate, at another hour; every image is kept"},
       {"posters", "eight posters hang in two places each, drives overlap"},
       {"posters-apart", "the same, each robot drives through another corridor"},
       {"reversed", "the second robot drives the other way round"},

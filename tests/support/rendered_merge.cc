@@ -96,9 +96,8 @@ std::shared_ptr<const Vocabulary> shipped_vocabulary() {
   return Vocabulary::deserialize(bytes);
 }
 
-MadeMap make_map(const std::vector<AppearanceVector>& images) {
+MadeMap make_map(const std::vector<AppearanceVector>& images, const MapParameters& parameters) {
   const auto verifier = make_verifier();
-  const MapParameters parameters;
   GrowingMap map;
   for (const AppearanceVector& image : images) {
     const MappingDecision decision = decide(image, map, *verifier, parameters);
@@ -161,9 +160,11 @@ MadeMerge verify_all(MadeMap a, MadeMap b, int threads) {
   return merge;
 }
 
-MadeMerge make_merge(const Drive& a, const Drive& b, const Vocabulary& vocabulary, int threads) {
+MadeMerge make_merge(const Drive& a, const Drive& b, const Vocabulary& vocabulary, int threads,
+                     const MapParameters& parameters) {
   const auto map_of = [&](const Drive& drive) {
-    MadeMap map = make_map(see(*drive.world, drive.poses, drive.conditions, drive.noise_seed, vocabulary, threads));
+    MadeMap map =
+        make_map(see(*drive.world, drive.poses, drive.conditions, drive.noise_seed, vocabulary, threads), parameters);
     for (std::size_t i = 0; i < drive.poses.size(); ++i) {
       if (map.vertex_of_image[i] != MadeMap::kIgnored) map.poses.push_back(drive.poses[i]);
     }

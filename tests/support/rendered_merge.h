@@ -46,8 +46,8 @@ struct MadeMerge {
 // The shipped vocabulary.
 std::shared_ptr<const Vocabulary> shipped_vocabulary();
 
-// Mapping with default parameters, in the order given.
-MadeMap make_map(const std::vector<AppearanceVector>& images);
+// Mapping, in the order given.
+MadeMap make_map(const std::vector<AppearanceVector>& images, const MapParameters& parameters = {});
 
 // What a robot with these conditions sees at these poses, through JPEG, extractor and vocabulary. `overlay`: laid over
 // each frame before it is compressed; the first is frame number `noise_seed`.
@@ -67,7 +67,8 @@ struct Drive {
 };
 
 // Renders, maps and verifies; with truth. Drives in different worlds share nothing.
-MadeMerge make_merge(const Drive& a, const Drive& b, const Vocabulary& vocabulary, int threads);
+MadeMerge make_merge(const Drive& a, const Drive& b, const Vocabulary& vocabulary, int threads,
+                     const MapParameters& parameters = {});
 
 // In this machine's byte order: a cache, not a format. Reading throws FormatError for what was not written so.
 void write_merge(const MadeMerge& merge, const std::filesystem::path& file);
