@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -29,7 +30,7 @@ void fade(cv::Mat& canvas, double amount, Random& random) {
   canvas.forEach<cv::Vec3b>([&](cv::Vec3b& pixel, const int*) {
     for (int c = 0; c < 3; ++c) {
       const double value = (128 + (pixel[c] - 128) * contrast) * gain[static_cast<std::size_t>(c)];
-      pixel[c] = static_cast<std::uint8_t>(std::clamp(static_cast<int>(value + 0.5), 0, 255));
+      pixel[c] = static_cast<std::uint8_t>(std::clamp(std::lround(value), 0L, 255L));
     }
   });
 }
