@@ -72,11 +72,13 @@ struct Appearance {
 };
 
 // The paper's sparse appearance vector v_q of one image: its appearances, sorted by (word, x, y, scale, angle,
-// signature).
+// signature). Those that its map takes for the camera's own stand apart, sorted as well: they neither vote nor match,
+// and are in no index or number of features, but help to tell what two images have without displacement.
 struct AppearanceVector {
   int width_px = 0;
   int height_px = 0;
   std::vector<Appearance> appearances;
+  std::vector<Appearance> static_appearances = {};  // core/mapping/static_content.h
   friend auto operator<=>(const AppearanceVector&, const AppearanceVector&) = default;
 };
 

@@ -12,6 +12,36 @@
 namespace mapweld {
 namespace {
 
+// All features of an image, sorted: those that are known to be static, too.
+class Whole {
+ public:
+  explicit Whole(const AppearanceVector& image) : all_(&image) {
+    if (image.static_appearances.empty()) return;
+    const std::vector<Appearance>& counting = image.appearances;
+    const std::vector<Appearance>& fixed = image.static_appearances;
+    merged_ = {image.width_px, image.height_px, {}};
+    merged_.appearances.reserve(counting.size() + fixed.size());
+    counts_.reserve(counting.size() + fixed.size());
+    for (auto p = counting.begin(), q = fixed.begin(); p != counting.end() || q != fixed.end();) {
+      const bool takes_counting = q == fixed.end() || (p != counting.end() && *p <= *q);
+      merged_.appearances.push_back(takes_counting ? *p++ : *q++);
+      counts_.push_back(takes_counting ? 1 : 0);
+    }
+    all_ = &merged_;
+  }
+  Whole(const Whole&) = delete;
+  Whole& operator=(const Whole&) = delete;
+
+  const AppearanceVector& image() const { return *all_; }
+  // Whether a feature is among the image's appearances; they keep their order.
+  bool counts(std::size_t i) const { return counts_.empty() || counts_[i] != 0; }
+
+ private:
+  const AppearanceVector* all_;
+  AppearanceVector merged_;
+  std::vector<std::uint8_t> counts_;
+};
+
 // Whether a feature of a and one of b are at the same place, with one frame laid over the other.
 class SamePlace {
  public:
@@ -204,16 +234,21 @@ void mark_surroundings(const AppearanceVector& a, const AppearanceVector& b, con
   }
 }
 
-void keep_unmarked(const AppearanceVector& image, const std::vector<std::uint8_t>& marks, AppearanceVector& kept,
+void keep_unmarked(const Whole& whole, const std::vector<std::uint8_t>& marks, AppearanceVector& kept,
                    std::vector<std::uint16_t>& index) {
+  const AppearanceVector& image = whole.image();
+  std::uint16_t own_index = 0;  // among the appearances of the image as it came
   kept.width_px = image.width_px;
   kept.height_px = image.height_px;
   kept.appearances.reserve(marks.size());
   index.reserve(marks.size());
   for (std::size_t i = 0; i < marks.size(); ++i) {
-    if (marks[i] == kStatic) continue;
-    kept.appearances.push_back(image.appearances[i]);
-    index.push_back(static_cast<std::uint16_t>(i));
+    if (!whole.counts(i)) continue;
+    if (marks[i] != kStatic) {
+      kept.appearances.push_back(image.appearances[i]);
+      index.push_back(own_index);
+    }
+    ++own_index;
   }
 }
 
@@ -221,15 +256,22 @@ void keep_unmarked(const AppearanceVector& image, const std::vector<std::uint8_t
 
 std::vector<std::uint8_t> at_same_place(const AppearanceVector& image, const AppearanceVector& other,
                                         const StaticMatchOptions& options) {
-  if (!have_frames(image, other)) return std::vector<std::uint8_t>(image.appearances.size(), 0);
-  std::vector<std::uint8_t> found = mark(image, other, SamePlace(image, other, options), options).a;
+  const Whole whole(other);
+  if (!have_frames(image, whole.image())) return std::vector<std::uint8_t>(image.appearances.size(), 0);
+  StaticMatchOptions narrow = options;
+  narrow.agreeing_displacement = narrow.max_displacement;  // what is displaced is not asked for
+  std::vector<std::uint8_t> found = mark(image, whole.image(), SamePlace(image, whole.image(), narrow), narrow).a;
   for (std::uint8_t& mark : found) mark = mark == kStatic ? 1 : 0;
   return found;
 }
 
-std::optional<WithoutStatic> without_static(const AppearanceVector& a, const AppearanceVector& b,
+std::optional<WithoutStatic> without_static(const AppearanceVector& image_a, const AppearanceVector& image_b,
                                             const StaticMatchOptions& options) {
   constexpr int kOfOneWord = 3;
+  const Whole whole_a(image_a);
+  const Whole whole_b(image_b);
+  const AppearanceVector& a = whole_a.image();
+  const AppearanceVector& b = whole_b.image();
   if (!have_frames(a, b)) return std::nullopt;
   const SamePlace same_place(a, b, options);
   if (!has_some(a, b, same_place, std::min(kOfOneWord, options.few))) return std::nullopt;
@@ -237,8 +279,8 @@ std::optional<WithoutStatic> without_static(const AppearanceVector& a, const App
   if (marks.count(kStatic) < options.few || is_same_view(a, b, marks, options)) return std::nullopt;
   mark_surroundings(a, b, same_place, options, marks);
   WithoutStatic rest;
-  keep_unmarked(a, marks.a, rest.a, rest.index_a);
-  keep_unmarked(b, marks.b, rest.b, rest.index_b);
+  keep_unmarked(whole_a, marks.a, rest.a, rest.index_a);
+  keep_unmarked(whole_b, marks.b, rest.b, rest.index_b);
   return rest;
 }
 

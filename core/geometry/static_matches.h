@@ -39,7 +39,7 @@ struct StaticMatchOptions {
   int fewest_cells_displaced = 10;
 };
 
-// Two images without their static features.
+// Two images without their static features: what is left of their appearances.
 struct WithoutStatic {
   AppearanceVector a;
   AppearanceVector b;
@@ -50,11 +50,12 @@ struct WithoutStatic {
 
 // What is left of a pair of images when features at the same place of both are left out; nullopt when there is nothing
 // to leave out: there are but a few, or the whole view is the same. Symmetric. O(features) where images have little in
-// common.
+// common. What is known to be static (AppearanceVector::static_appearances) is never left; it counts where
+// places and views are compared.
 std::optional<WithoutStatic> without_static(const AppearanceVector& a, const AppearanceVector& b,
                                             const StaticMatchOptions& options);
 
-// For each appearance of `image`, whether `other` has one like it at the same place: 1 or 0.
+// For each appearance of `image`, whether `other` has one like it at the same place, known to be static or not: 1 or 0.
 std::vector<std::uint8_t> at_same_place(const AppearanceVector& image, const AppearanceVector& other,
                                         const StaticMatchOptions& options);
 

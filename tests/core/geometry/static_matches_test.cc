@@ -187,5 +187,33 @@ TEST(StaticMatches, ARobotThatStandsStillHasItsEdge) {
   }
 }
 
+TEST(StaticMatches, WhatIsKnownToBeStaticTellsTheRestAndIsNeverLeft) {
+  AppearanceVector a = view(1, 200);
+  AppearanceVector b = view(2, 200);
+  add_strip(a, 40, 1);
+  add_strip(b, 40, 2);
+  // All but three of the strip are known in a: alone, three are too few to be left out.
+  AppearanceVector known = a;
+  int left = 3;
+  std::erase_if(known.appearances, [&](const Appearance& p) {
+    if (to_index(p.word) < kFirstWord || left-- > 0) return false;
+    known.static_appearances.push_back(p);
+    return true;
+  });
+  ASSERT_EQ(known.static_appearances.size(), 37u);
+  for (const bool swapped : {false, true}) {
+    const auto plain = swapped ? without_static(b, a, {}) : without_static(a, b, {});
+    const auto rest = swapped ? without_static(b, known, {}) : without_static(known, b, {});
+    ASSERT_TRUE(plain && rest);
+    EXPECT_EQ(rest->a, plain->a);
+    EXPECT_EQ(rest->b, plain->b);
+    const auto& kept = swapped ? rest->b : rest->a;
+    const auto& index = swapped ? rest->index_b : rest->index_a;
+    ASSERT_EQ(index.size(), kept.appearances.size());
+    for (std::size_t i = 0; i < index.size(); ++i) EXPECT_EQ(known.appearances.at(index[i]), kept.appearances[i]);
+  }
+  EXPECT_EQ(at_same_place(b, known, {}), at_same_place(b, a, {}));
+}
+
 }  // namespace
 }  // namespace mapweld
