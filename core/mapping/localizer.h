@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/geometry/pair_verifier.h"
-#include "core/retrieval/inverted_index.h"
+#include "core/mapping/map_view.h"
 #include "core/types.h"
 
 namespace mapweld {
@@ -26,17 +26,6 @@ struct MapParameters {
 
 // As max_inliers: every image is kept, that of a camera at rest too.
 inline constexpr int kUnlimitedInliers = 65535;
-
-// What localization needs to read of a map.
-class MapView {
- public:
-  virtual ~MapView() = default;
-  virtual const PostingSource& postings() const = 0;
-  // The appearance vector of a vertex. Thread-safe. Throws on I/O errors of a store behind it.
-  virtual std::shared_ptr<const AppearanceVector> appearances(VertexId v) const = 0;
-  // Hop distance between two vertices when it is at most `at_most`, else nullopt.
-  virtual std::optional<int> hops(VertexId u, VertexId v, int at_most) const = 0;
-};
 
 struct LocalizationMatch {
   VertexId vertex{};

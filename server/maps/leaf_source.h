@@ -22,8 +22,10 @@ class LeafSource {
   virtual void visit(WordId word, VertexId first, VertexId end, const Visitor& visitor) const = 0;
   // Throws std::out_of_range when the map has no such vertex (any more), StoreError when it cannot be read.
   virtual std::shared_ptr<const AppearanceVector> appearances(VertexId vertex) const = 0;
-  // Appends the vertices that share an edge with `vertex`.
+  // Appends the vertices that share a confirmed edge with `vertex`.
   virtual void neighbours(VertexId vertex, std::vector<VertexId>& out) const = 0;
+  // Appends those that share any edge with it.
+  virtual void linked(VertexId vertex, std::vector<VertexId>& out) const = 0;
 };
 
 }  // namespace mapweld::server

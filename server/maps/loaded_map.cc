@@ -13,7 +13,8 @@ namespace {
 constexpr std::size_t kVertexOverhead = 128;  // its entries in the vectors below, allocation included
 
 std::size_t bytes_of(const AppearanceVector& vector) {
-  return sizeof(AppearanceVector) + vector.appearances.size() * sizeof(Appearance) + 32;
+  return sizeof(AppearanceVector) + 32 +
+         (vector.appearances.size() + vector.static_appearances.size()) * sizeof(Appearance);
 }
 
 }  // namespace
@@ -21,15 +22,19 @@ std::size_t bytes_of(const AppearanceVector& vector) {
 LoadedMap::LoadedMap(Store& store, const Reader& db, const MapRow& map)
     : store_(store), map_(map.id), vocabulary_(map.vocabulary), index_(load_index(db, map.id, map.vocabulary)) {
   const std::uint32_t vertices = index_.vertices();
-  neighbours_.resize(vertices);
+  links_.resize(vertices);
   vectors_.resize(vertices);
-  const std::vector<Edge> edges = load_edges(db, load_layout(db, map.id), {.confirmed = true});
-  for (const Edge& edge : edges) {
-    neighbours_[to_index(edge.u)].push_back(edge.v);
-    neighbours_[to_index(edge.v)].push_back(edge.u);
+  const MapLayout layout = load_layout(db, map.id);
+  std::size_t edges = 0;
+  for (const auto of : {&Links::confirmed, &Links::withheld}) {
+    for (const Edge& edge : load_edges(db, layout, {.confirmed = of == &Links::confirmed})) {
+      (links_[to_index(edge.u)].*of).push_back(edge.v);
+      (links_[to_index(edge.v)].*of).push_back(edge.u);
+      ++edges;
+    }
   }
   committed_ = vertices;
-  memory_bytes_ = index_.memory_bytes() + vertices * kVertexOverhead + 2 * edges.size() * sizeof(VertexId);
+  memory_bytes_ = index_.memory_bytes() + vertices * kVertexOverhead + 2 * edges * sizeof(VertexId);
 }
 
 void LoadedMap::visit(WordId word, VertexId first, VertexId end, const Visitor& visitor) const {
@@ -55,32 +60,38 @@ std::shared_ptr<const AppearanceVector> LoadedMap::appearances(VertexId vertex) 
 
 void LoadedMap::neighbours(VertexId vertex, std::vector<VertexId>& out) const {
   const std::shared_lock lock(mutex_);
-  const auto& found = neighbours_.at(to_index(vertex));
+  const auto& found = links_.at(to_index(vertex)).confirmed;
   out.insert(out.end(), found.begin(), found.end());
+}
+
+void LoadedMap::linked(VertexId vertex, std::vector<VertexId>& out) const {
+  const std::shared_lock lock(mutex_);
+  const Links& found = links_.at(to_index(vertex));
+  for (const auto* links : {&found.confirmed, &found.withheld}) out.insert(out.end(), links->begin(), links->end());
 }
 
 VertexId LoadedMap::append(std::shared_ptr<const AppearanceVector> vector, std::span<const VertexId> neighbours) {
   const std::unique_lock lock(mutex_);
   const VertexId added{index_.vertices()};
   index_.add(*vector);
-  for (const VertexId neighbour : neighbours) neighbours_.at(to_index(neighbour)).push_back(added);
-  neighbours_.emplace_back(neighbours.begin(), neighbours.end());
+  for (const VertexId neighbour : neighbours) links_.at(to_index(neighbour)).confirmed.push_back(added);
+  links_.push_back({.confirmed = {neighbours.begin(), neighbours.end()}, .withheld = {}});
   memory_bytes_ += bytes_of(*vector) + vector->appearances.size() * kBytesPerPosting + kVertexOverhead +
                    2 * neighbours.size() * sizeof(VertexId);
   vectors_.push_back(std::move(vector));
   return added;
 }
 
-void LoadedMap::set_linked(VertexId u, VertexId v, bool linked) {
+void LoadedMap::set_confirmed(VertexId u, VertexId v, bool confirmed) {
   const std::unique_lock lock(mutex_);
-  const auto set = [&](VertexId from, VertexId to) {
-    std::vector<VertexId>& links = neighbours_.at(to_index(from));
-    const auto found = std::ranges::find(links, to);
-    if (linked && found == links.end()) links.push_back(to);
-    if (!linked && found != links.end()) links.erase(found);
+  const auto move_over = [&](VertexId from, VertexId to) {
+    Links& links = links_.at(to_index(from));
+    std::erase(confirmed ? links.withheld : links.confirmed, to);
+    std::vector<VertexId>& now = confirmed ? links.confirmed : links.withheld;
+    if (std::ranges::find(now, to) == now.end()) now.push_back(to);
   };
-  set(u, v);
-  set(v, u);
+  move_over(u, v);
+  move_over(v, u);
 }
 
 void LoadedMap::commit() { committed_ = static_cast<std::uint32_t>(vectors_.size()); }
@@ -88,12 +99,12 @@ void LoadedMap::commit() { committed_ = static_cast<std::uint32_t>(vectors_.size
 void LoadedMap::rollback() {
   const std::unique_lock lock(mutex_);
   index_.truncate(committed_);
-  for (std::size_t added = committed_; added < neighbours_.size(); ++added) {
-    for (const VertexId neighbour : neighbours_[added]) {
-      std::erase(neighbours_.at(to_index(neighbour)), VertexId{static_cast<std::uint32_t>(added)});
+  for (std::size_t added = committed_; added < links_.size(); ++added) {
+    for (const VertexId neighbour : links_[added].confirmed) {
+      std::erase(links_.at(to_index(neighbour)).confirmed, VertexId{static_cast<std::uint32_t>(added)});
     }
   }
-  neighbours_.resize(committed_);
+  links_.resize(committed_);
   vectors_.resize(committed_);
 }
 

@@ -25,14 +25,15 @@ class LoadedMap final : public LeafSource {
   void visit(WordId word, VertexId first, VertexId end, const Visitor& visitor) const override;
   std::shared_ptr<const AppearanceVector> appearances(VertexId vertex) const override;
   void neighbours(VertexId vertex, std::vector<VertexId>& out) const override;
+  void linked(VertexId vertex, std::vector<VertexId>& out) const override;
 
   // Vertices that are stored for good.
   std::uint32_t committed() const { return committed_; }
 
   // Adds the next vertex with its edges to earlier ones; not stored yet, so readers do not look for it yet.
   VertexId append(std::shared_ptr<const AppearanceVector> vector, std::span<const VertexId> neighbours);
-  // An edge between two vertices that are stored counts from now on, or no longer does.
-  void set_linked(VertexId u, VertexId v, bool linked);
+  // An edge between two vertices that are stored is confirmed from now on, or no longer is.
+  void set_confirmed(VertexId u, VertexId v, bool confirmed);
   // What was appended is stored.
   void commit();
   // Storing failed: forgets what was appended since the last commit().
@@ -50,7 +51,11 @@ class LoadedMap final : public LeafSource {
 
   mutable std::shared_mutex mutex_;  // guards what follows
   InvertedIndex index_;
-  std::vector<std::vector<VertexId>> neighbours_;
+  struct Links {
+    std::vector<VertexId> confirmed;
+    std::vector<VertexId> withheld;
+  };
+  std::vector<Links> links_;
   mutable std::vector<std::shared_ptr<const AppearanceVector>> vectors_;  // null: not read yet
 
   std::atomic<std::uint32_t> committed_{0};

@@ -85,7 +85,7 @@ void MapCache::follow_judgements(MapId map, std::span<const JudgedEdge> edges) {
   const std::lock_guard loading(entry->loading);
   if (!entry->map) return;
   for (const JudgedEdge& edge : edges) {
-    entry->map->set_linked(edge.u, edge.v, edge.judgement.doubt == Reason::kNone);
+    entry->map->set_confirmed(edge.u, edge.v, edge.judgement.doubt == Reason::kNone);
   }
 }
 

@@ -42,10 +42,10 @@ std::shared_ptr<const AppearanceVector> MapSnapshot::appearances(VertexId vertex
   return span.leaf->appearances(VertexId{to_index(vertex) - span.first + span.leaf_first});
 }
 
-void MapSnapshot::neighbours(VertexId vertex, std::vector<VertexId>& out) const {
+void MapSnapshot::neighbours(VertexId vertex, Inner inner_of, std::vector<VertexId>& out) const {
   const Span& own = span_of(vertex);
   std::vector<VertexId> inner;
-  own.leaf->neighbours(VertexId{to_index(vertex) - own.first + own.leaf_first}, inner);
+  ((*own.leaf).*inner_of)(VertexId{to_index(vertex) - own.first + own.leaf_first}, inner);
   for (const VertexId neighbour : inner) {
     for (const Span& span : spans_) {
       const std::uint32_t offset = to_index(neighbour) - span.leaf_first;
@@ -60,6 +60,12 @@ void MapSnapshot::neighbours(VertexId vertex, std::vector<VertexId>& out) const 
   }
 }
 
+std::vector<VertexId> MapSnapshot::linked(VertexId vertex) const {
+  std::vector<VertexId> found;
+  neighbours(vertex, &LeafSource::linked, found);
+  return found;
+}
+
 std::optional<int> MapSnapshot::hops(VertexId u, VertexId v, int at_most) const {
   std::set<VertexId> seen = {u};
   std::vector<VertexId> front = {u};
@@ -70,7 +76,7 @@ std::optional<int> MapSnapshot::hops(VertexId u, VertexId v, int at_most) const 
     std::vector<VertexId> reached;
     for (const VertexId vertex : front) {
       next.clear();
-      neighbours(vertex, next);
+      neighbours(vertex, &LeafSource::neighbours, next);
       for (const VertexId neighbour : next) {
         if (seen.insert(neighbour).second) reached.push_back(neighbour);
       }

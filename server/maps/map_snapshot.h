@@ -30,6 +30,8 @@ class MapSnapshot final : public MapView, private PostingSource {
   const PostingSource& postings() const override { return *this; }
   std::shared_ptr<const AppearanceVector> appearances(VertexId vertex) const override;
   std::optional<int> hops(VertexId u, VertexId v, int at_most) const override;
+  // Of inter edges, the confirmed ones.
+  std::vector<VertexId> linked(VertexId vertex) const override;
 
  private:
   struct Span {
@@ -44,7 +46,8 @@ class MapSnapshot final : public MapView, private PostingSource {
   std::uint32_t vertices() const override { return vertices_; }
 
   const Span& span_of(VertexId vertex) const;
-  void neighbours(VertexId vertex, std::vector<VertexId>& out) const;
+  using Inner = void (LeafSource::*)(VertexId, std::vector<VertexId>&) const;  // of the edges of a leaf, which ones
+  void neighbours(VertexId vertex, Inner inner_of, std::vector<VertexId>& out) const;
 
   std::vector<Span> spans_;  // ascending by `first`, without gaps
   std::uint32_t vertices_ = 0;

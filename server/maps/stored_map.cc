@@ -29,4 +29,8 @@ void StoredMap::neighbours(VertexId vertex, std::vector<VertexId>& out) const {
   }
 }
 
+void StoredMap::linked(VertexId vertex, std::vector<VertexId>& out) const {
+  for (const EdgeRow& edge : list_own_edges_at(db_, map_, vertex)) out.push_back(edge.u == vertex ? edge.v : edge.u);
+}
+
 }  // namespace mapweld::server

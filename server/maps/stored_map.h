@@ -17,6 +17,7 @@ class StoredMap final : public LeafSource {
   void visit(WordId word, VertexId first, VertexId end, const Visitor& visitor) const override;
   std::shared_ptr<const AppearanceVector> appearances(VertexId vertex) const override;
   void neighbours(VertexId vertex, std::vector<VertexId>& out) const override;
+  void linked(VertexId vertex, std::vector<VertexId>& out) const override;
 
  private:
   ReadTransaction db_;

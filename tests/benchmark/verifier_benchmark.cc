@@ -28,6 +28,7 @@
 #include "core/retrieval/voting.h"
 #include "tests/core/geometry/photographs.h"
 #include "tests/core/geometry/two_view_scene.h"
+#include "tests/core/mapping/scene_map.h"
 
 namespace mapweld {
 namespace {
@@ -225,43 +226,6 @@ BENCHMARK(BM_FundamentalMatrix)
 
 // ---- Localization -------------------------------------------------------------------------------------------------
 
-class PhotographMap final : public MapView {
- public:
-  void add(const AppearanceVector& image, const MappingDecision& decision) {
-    const auto id = static_cast<std::uint32_t>(images_.size());
-    index_.add(image);
-    images_.push_back(std::make_shared<const AppearanceVector>(image));
-    neighbours_.emplace_back();
-    for (const LocalizationMatch& e : decision.edges) {
-      neighbours_[id].push_back(to_index(e.vertex));
-      neighbours_[to_index(e.vertex)].push_back(id);
-    }
-  }
-  const PostingSource& postings() const override { return index_; }
-  std::shared_ptr<const AppearanceVector> appearances(VertexId v) const override { return images_[to_index(v)]; }
-  std::optional<int> hops(VertexId u, VertexId v, int at_most) const override {
-    std::vector<std::uint32_t> ring{to_index(u)};
-    std::vector<bool> seen(images_.size(), false);
-    for (int d = 0; d <= at_most; ++d) {
-      std::vector<std::uint32_t> next;
-      for (const std::uint32_t w : ring) {
-        if (w == to_index(v)) return d;
-        for (const std::uint32_t n : neighbours_[w]) {
-          if (!seen[n]) next.push_back(n);
-          seen[n] = true;
-        }
-      }
-      ring = std::move(next);
-    }
-    return std::nullopt;
-  }
-
- private:
-  InvertedIndex index_;
-  std::vector<std::shared_ptr<const AppearanceVector>> images_;
-  std::vector<std::vector<std::uint32_t>> neighbours_;
-};
-
 void BM_LocalizeInOffice(benchmark::State& state) {
   const auto& live = photographs(kOffice[1]);
   const auto& reference = photographs(kOffice[0]);
@@ -271,8 +235,13 @@ void BM_LocalizeInOffice(benchmark::State& state) {
   }
   const auto verifier = make_verifier();
   const MapParameters parameters;
-  PhotographMap map;
-  for (const Photograph& p : live) map.add(p.appearances, decide(p.appearances, map, *verifier, parameters));
+  test::SceneMap map;
+  for (const Photograph& p : live) {
+    const MappingDecision decision = decide(p.appearances, map, *verifier, parameters);
+    std::vector<VertexId> neighbours;
+    for (const LocalizationMatch& edge : decision.edges) neighbours.push_back(edge.vertex);
+    map.add(p.appearances, neighbours);
+  }
   std::vector<double> localized;
   std::vector<double> verified;
   double ambiguous = 0;

@@ -46,6 +46,11 @@ class GrowingMap final : public MapView {
 
   const PostingSource& postings() const override { return index_; }
   std::shared_ptr<const AppearanceVector> appearances(VertexId v) const override { return made_.vertices[to_index(v)]; }
+  std::vector<VertexId> linked(VertexId v) const override {
+    std::vector<VertexId> others;
+    for (const std::uint32_t other : neighbours_[to_index(v)]) others.push_back(VertexId{other});
+    return others;
+  }
   std::optional<int> hops(VertexId u, VertexId v, int at_most) const override {
     std::vector<std::uint32_t> ring{to_index(u)};
     std::vector<bool> seen(made_.vertices.size(), false);
@@ -192,7 +197,7 @@ MadeMerge make_merge(const Drive& a, const Drive& b, const Vocabulary& vocabular
 
 namespace {
 
-constexpr std::uint64_t kMagic = 0x4d57475541524433;
+constexpr std::uint64_t kMagic = 0x4d57475541524434;
 
 template <typename T>
 void put(std::ostream& out, const T& value) {
@@ -245,6 +250,7 @@ void put_map(std::ostream& out, const MadeMap& map) {
     put(out, vector->width_px);
     put(out, vector->height_px);
     put_all(out, vector->appearances);
+    put_all(out, vector->static_appearances);
   }
   put(out, static_cast<std::uint64_t>(map.inner_edges.size()));
   for (const VerifiedEdge& edge : map.inner_edges) {
@@ -264,6 +270,7 @@ MadeMap get_map(std::istream& in) {
     vector.width_px = get<int>(in);
     vector.height_px = get<int>(in);
     vector.appearances = get_all<Appearance>(in);
+    vector.static_appearances = get_all<Appearance>(in);
     map.vertices.push_back(std::make_shared<const AppearanceVector>(std::move(vector)));
   }
   const auto edges = get<std::uint64_t>(in);

@@ -5,7 +5,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,33 +20,36 @@ class SceneMap final : public MapView {
     const VertexId id{index_.vertices()};
     index_.add(image);
     images_.push_back(std::make_shared<const AppearanceVector>(image));
-    for (const VertexId n : neighbours) {
-      edges_.insert({id, n});
-      edges_.insert({n, id});
-    }
+    neighbours_.push_back(neighbours);
+    for (const VertexId n : neighbours) neighbours_.at(to_index(n)).push_back(id);
     return id;
   }
   const PostingSource& postings() const override { return index_; }
   std::shared_ptr<const AppearanceVector> appearances(VertexId v) const override { return images_.at(to_index(v)); }
   std::optional<int> hops(VertexId u, VertexId v, int at_most) const override {
-    std::set<VertexId> reached{u};
+    std::vector<VertexId> ring{u};
+    std::vector<bool> seen(size(), false);
     for (int distance = 0; distance <= at_most; ++distance) {
-      if (reached.contains(v)) return distance;
-      std::set<VertexId> next = reached;
-      for (const auto& [from, to] : edges_) {
-        if (reached.contains(from)) next.insert(to);
+      std::vector<VertexId> next;
+      for (const VertexId w : ring) {
+        if (w == v) return distance;
+        for (const VertexId n : neighbours_.at(to_index(w))) {
+          if (!seen[to_index(n)]) next.push_back(n);
+          seen[to_index(n)] = true;
+        }
       }
-      reached = std::move(next);
+      ring = std::move(next);
     }
     return std::nullopt;
   }
+  std::vector<VertexId> linked(VertexId v) const override { return neighbours_.at(to_index(v)); }
   const AppearanceVector& image(std::size_t v) const { return *images_.at(v); }
   std::size_t size() const { return images_.size(); }
 
  private:
   InvertedIndex index_;
   std::vector<std::shared_ptr<const AppearanceVector>> images_;
-  std::set<std::pair<VertexId, VertexId>> edges_;
+  std::vector<std::vector<VertexId>> neighbours_;
 };
 
 // Verdicts by table: the name of an image is the x of its first appearance. Pairs not in the table are rejected.

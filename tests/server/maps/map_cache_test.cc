@@ -67,6 +67,17 @@ PostingList postings(const server::LeafSource& map, WordId word, std::uint32_t f
   return out;
 }
 
+// Who shares a confirmed edge with a vertex, and who any, ascending.
+using Links = std::pair<std::vector<VertexId>, std::vector<VertexId>>;
+Links links_of(const server::LeafSource& map, std::uint32_t vertex) {
+  Links links;
+  map.neighbours(VertexId{vertex}, links.first);
+  map.linked(VertexId{vertex}, links.second);
+  std::ranges::sort(links.first);
+  std::ranges::sort(links.second);
+  return links;
+}
+
 TEST_F(MapCacheTest, InMemoryAndInTheStoreAMapReadsTheSame) {
   const MapRow map = fill("lab", 40);
   write_due_segments(store_,
@@ -91,14 +102,8 @@ TEST_F(MapCacheTest, InMemoryAndInTheStoreAMapReadsTheSame) {
   }
   for (std::uint32_t vertex = 0; vertex < 40; ++vertex) {
     EXPECT_EQ(*loaded.appearances(VertexId{vertex}), *stored.appearances(VertexId{vertex}));
-    std::vector<VertexId> in_memory;
-    std::vector<VertexId> in_store;
-    loaded.neighbours(VertexId{vertex}, in_memory);
-    stored.neighbours(VertexId{vertex}, in_store);
-    std::ranges::sort(in_memory);
-    std::ranges::sort(in_store);
-    EXPECT_EQ(in_memory, in_store);
-    EXPECT_EQ(in_memory.size(), vertex == 0 || vertex == 39 ? 1u : 2u);
+    EXPECT_EQ(links_of(loaded, vertex), links_of(stored, vertex));
+    EXPECT_EQ(links_of(loaded, vertex).first.size(), vertex == 0 || vertex == 39 ? 1u : 2u);
   }
 }
 
@@ -180,11 +185,7 @@ TEST_F(MapCacheTest, RollbackForgetsWhatWasAppended) {
     EXPECT_EQ(postings(loaded, WordId{word}, 0, 100), postings(untouched, WordId{word}, 0, 100));
   }
   for (std::uint32_t vertex = 0; vertex < 5; ++vertex) {
-    std::vector<VertexId> now;
-    std::vector<VertexId> then;
-    loaded.neighbours(VertexId{vertex}, now);
-    untouched.neighbours(VertexId{vertex}, then);
-    EXPECT_EQ(now, then);
+    EXPECT_EQ(links_of(loaded, vertex), links_of(untouched, vertex));
   }
   EXPECT_EQ(loaded.append(image, std::vector{VertexId{2}}), VertexId{5});
   std::vector<VertexId> anew;
@@ -204,15 +205,8 @@ TEST_F(MapCacheTest, TheGraphInMemoryFollowsWhatIsThoughtOfItsEdges) {
     const StoredMap stored(store_, map.id, vocabulary_);
     const LoadedMap fresh(store_, store_.read(), map);
     for (std::uint32_t v = 0; v < 8; ++v) {
-      std::vector<VertexId> in_memory, in_store, in_fresh;
-      loaded->neighbours(VertexId{v}, in_memory);
-      stored.neighbours(VertexId{v}, in_store);
-      fresh.neighbours(VertexId{v}, in_fresh);
-      std::ranges::sort(in_memory);
-      std::ranges::sort(in_store);
-      std::ranges::sort(in_fresh);
-      EXPECT_EQ(in_memory, in_store);
-      EXPECT_EQ(in_fresh, in_store);
+      EXPECT_EQ(links_of(*loaded, v), links_of(stored, v));
+      EXPECT_EQ(links_of(fresh, v), links_of(stored, v));
     }
   };
   const auto judge = [&](std::vector<JudgedEdge> edges) {
@@ -227,9 +221,7 @@ TEST_F(MapCacheTest, TheGraphInMemoryFollowsWhatIsThoughtOfItsEdges) {
   expect_as_stored();
   judge({{VertexId{2}, VertexId{3}, {0.25, Reason::kUnsupported, {}}},
          {VertexId{3}, VertexId{4}, {0.95, Reason::kNone, {}}}});
-  std::vector<VertexId> left;
-  loaded->neighbours(VertexId{3}, left);
-  EXPECT_EQ(left, std::vector{VertexId{4}});
+  EXPECT_EQ(links_of(*loaded, 3), (Links{{VertexId{4}}, {VertexId{2}, VertexId{4}}}));
   expect_as_stored();
   judge({{VertexId{2}, VertexId{3}, {0.95, Reason::kNone, {}}}});
   expect_as_stored();
