@@ -185,7 +185,7 @@ class Checker {
         "AND "
         "a.vocabulary = maps.vocabulary WHERE images.vertex IS NOT NULL AND deleted_at_us IS NULL AND a.bytes IS NULL");
     sqlite::Statement row = db_.prepare(
-        "SELECT a.map, a.vertex, a.bytes, width_px, height_px, features, words FROM appearances a "
+        "SELECT a.map, a.vertex, a.bytes, width_px, height_px, features, words, static_features FROM appearances a "
         "JOIN images i ON i.map = a.map AND i.vertex = a.vertex JOIN vocabularies v ON v.id = a.vocabulary");
     while (row.step()) {
       const std::string where = "appearances: map " + number(static_cast<std::uint64_t>(row.integer(0))) + ", vertex " +
@@ -194,11 +194,18 @@ class Checker {
         const AppearanceVector image = blobs::decode_appearances(row.blob(2));
         expect(image.width_px == row.integer(3) && image.height_px == row.integer(4), where,
                "they are of an image of another size");
-        expect(static_cast<std::int64_t>(image.appearances.size()) == row.integer(5), where,
-               "there are " + number(image.appearances.size()) + ", and the image has " +
+        const std::size_t fixed = image.static_appearances.size();
+        const std::size_t all = image.appearances.size() + fixed;
+        expect(static_cast<std::int64_t>(all) == row.integer(5), where,
+               "there are " + number(all) + ", and the image has " +
                    number(static_cast<std::uint64_t>(row.integer(5))) + " features");
-        expect(image.appearances.empty() || to_index(image.appearances.back().word) < row.integer(6), where,
-               "a word is not in the vocabulary");
+        expect(static_cast<std::int64_t>(fixed) == row.integer(7), where,
+               number(fixed) + " of them are static, and the image counts " +
+                   number(static_cast<std::uint64_t>(row.integer(7))));
+        for (const auto* list : {&image.appearances, &image.static_appearances}) {
+          expect(list->empty() || to_index(list->back().word) < row.integer(6), where,
+                 "a word is not in the vocabulary");
+        }
       });
       ++report_.appearances;
     }
@@ -228,14 +235,14 @@ class Checker {
     }
   }
 
-  // The number of features of each vertex of a map, of any level of merging.
+  // The number of features of each vertex of a map that can match, of any level of merging.
   std::vector<std::uint32_t> features_of(MapId map) {
     std::vector<std::uint32_t> features;
     const MapLayout layout = load_layout(db_, map);
     features.reserve(layout.vertices());
     for (const MapLayout::LeafSpan& span : layout.leaf_spans()) {
-      sqlite::Statement row =
-          db_.prepare("SELECT features FROM images WHERE map = ? AND vertex >= ? AND vertex < ? ORDER BY vertex");
+      sqlite::Statement row = db_.prepare(
+          "SELECT features - static_features FROM images WHERE map = ? AND vertex >= ? AND vertex < ? ORDER BY vertex");
       const std::uint64_t first = to_index(span.leaf_first);
       row.bind_all(span.leaf, first, first + span.count);
       while (row.step()) features.push_back(static_cast<std::uint32_t>(row.integer(0)));

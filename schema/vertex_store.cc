@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view kColumns =
     "SELECT id, map, vertex, name, sha256, media_type, width_px, height_px, features, captured_at_us, sequence, "
-    "sequence_index, camera, reason, similar_to, inliers, uploaded_at_us, deleted_at_us, "
+    "sequence_index, camera, reason, similar_to, inliers, uploaded_at_us, deleted_at_us, static_features, "
     "EXISTS (SELECT 1 FROM image_bytes WHERE image = images.id) FROM images ";
 
 Reason parse_reason(std::string_view word) {
@@ -52,7 +52,8 @@ ImageRow read_row(const sqlite::Statement& row) {
   image.inliers = static_cast<int>(row.integer(15));
   image.uploaded_at = rows::timestamp(row, 16);
   image.deleted_at = rows::optional_timestamp(row, 17);
-  image.has_bytes = row.integer(18) != 0;
+  image.static_features = static_cast<int>(row.integer(18));
+  image.has_bytes = row.integer(19) != 0;
   return image;
 }
 
@@ -69,16 +70,25 @@ std::uint32_t count_image(WriteTransaction& db, MapId map, bool inserted) {
   return static_cast<std::uint32_t>(vertices);
 }
 
-ImageId insert_image(WriteTransaction& db, MapId map, const NewImage& image, std::string_view reason,
-                     std::optional<VertexId> vertex, std::optional<VertexId> similar_to, std::optional<int> inliers) {
+// What became of an image.
+struct Outcome {
+  std::string_view reason;
+  std::size_t static_features = 0;
+  std::optional<VertexId> vertex = {};
+  std::optional<VertexId> similar_to = {};
+  std::optional<int> inliers = {};
+};
+
+ImageId insert_image(WriteTransaction& db, MapId map, const NewImage& image, const Outcome& outcome) {
   const Provenance& from = image.provenance;
   db.prepare(
         "INSERT INTO images (map, vertex, name, sha256, media_type, width_px, height_px, features, captured_at_us, "
-        "sequence, sequence_index, camera, reason, similar_to, inliers, uploaded_at_us) "
-        "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
-      .bind_all(map, vertex, image.name, std::span<const std::uint8_t>(image.sha256), image.media_type, image.width_px,
-                image.height_px, image.features, rows::microseconds(from.captured_at), from.sequence, from.index,
-                from.camera, reason, similar_to, inliers, rows::microseconds(image.uploaded_at))
+        "sequence, sequence_index, camera, reason, similar_to, inliers, uploaded_at_us, static_features) "
+        "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
+      .bind_all(map, outcome.vertex, image.name, std::span<const std::uint8_t>(image.sha256), image.media_type,
+                image.width_px, image.height_px, image.features, rows::microseconds(from.captured_at), from.sequence,
+                from.index, from.camera, outcome.reason, outcome.similar_to, outcome.inliers,
+                rows::microseconds(image.uploaded_at), outcome.static_features)
       .run();
   const ImageId id{db.connection().last_insert_rowid()};
   if (!image.bytes.empty()) {
@@ -92,7 +102,9 @@ ImageId insert_image(WriteTransaction& db, MapId map, const NewImage& image, std
 VertexId insert_vertex(WriteTransaction& db, MapId map, VocabularyId vocabulary, const NewImage& image,
                        const AppearanceVector& appearances, std::span<const NewEdge> edges, VerifierId verifier) {
   const VertexId vertex{count_image(db, map, true)};
-  insert_image(db, map, image, to_string(image.reason), vertex, std::nullopt, std::nullopt);
+  insert_image(
+      db, map, image,
+      {.reason = to_string(image.reason), .static_features = appearances.static_appearances.size(), .vertex = vertex});
   const blobs::Bytes bytes = blobs::encode_appearances(appearances);
   db.prepare("INSERT INTO appearances (map, vertex, vocabulary, bytes) VALUES (?, ?, ?, ?)")
       .bind_all(map, vertex, vocabulary, std::span<const std::uint8_t>(bytes))
@@ -111,7 +123,7 @@ ImageId insert_ignored(WriteTransaction& db, MapId map, const NewImage& image, V
                        IgnoredReason reason) {
   count_image(db, map, false);
   const std::string_view stored = reason == IgnoredReason::kIdentical ? kIdenticalWord : "";
-  return insert_image(db, map, image, stored, std::nullopt, similar_to, inliers);
+  return insert_image(db, map, image, {.reason = stored, .similar_to = similar_to, .inliers = inliers});
 }
 
 std::optional<ImageRow> find_image(const Reader& db, MapId map, std::string_view name) {
@@ -211,10 +223,21 @@ std::vector<AppearanceVector> load_appearances(const Reader& db, MapId map, Voca
   return images;
 }
 
+std::vector<AppearanceVector> load_newest_with_static(const Reader& db, MapId map, VocabularyId vocabulary,
+                                                      std::uint32_t vertices, std::uint32_t newest) {
+  sqlite::Statement row = db.prepare(
+      "SELECT a.bytes FROM images i JOIN appearances a ON a.map = i.map AND a.vertex = i.vertex AND a.vocabulary = ? "
+      "WHERE i.map = ? AND i.vertex >= ? AND i.vertex < ? AND i.static_features > 0 ORDER BY i.vertex");
+  row.bind_all(vocabulary, map, vertices > newest ? vertices - newest : 0, vertices);
+  std::vector<AppearanceVector> images;
+  while (row.step()) images.push_back(blobs::decode_appearances(row.blob(0)));
+  return images;
+}
+
 bool has_signatures(const Reader& db, const MapLayout& layout, VocabularyId vocabulary) {
   sqlite::Statement row = db.prepare(
       "SELECT a.bytes FROM images i JOIN appearances a ON a.map = i.map AND a.vertex = i.vertex AND a.vocabulary = ? "
-      "WHERE i.map = ? AND i.vertex IS NOT NULL AND i.features > 0 ORDER BY i.vertex LIMIT 1");
+      "WHERE i.map = ? AND i.vertex IS NOT NULL AND i.features > i.static_features ORDER BY i.vertex LIMIT 1");
   return std::ranges::all_of(layout.leaf_spans(), [&](const MapLayout::LeafSpan& span) {
     row.bind_all(vocabulary, span.leaf);
     const bool has = !row.step() || blobs::decode_appearances(row.blob(0)).appearances.front().signature != Signature{};

@@ -60,6 +60,7 @@ struct ImageRow {
   int width_px = 0;
   int height_px = 0;
   int features = 0;
+  int static_features = 0;  // of them; what the map took for static
   Provenance provenance;
   Reason reason = Reason::kNone;
   std::optional<VertexId> similar_to;                         // ignored: the vertex that it resembles too much
@@ -101,8 +102,12 @@ AppearanceVector load_appearances(const Reader& db, MapId map, VocabularyId voca
 std::vector<AppearanceVector> load_appearances(const Reader& db, MapId map, VocabularyId vocabulary, VertexId first,
                                                std::uint32_t count);
 
+// Those of the last `newest` of a plain map's first `vertices` vertices, without the images of which nothing is static.
+std::vector<AppearanceVector> load_newest_with_static(const Reader& db, MapId map, VocabularyId vocabulary,
+                                                      std::uint32_t vertices, std::uint32_t newest);
+
 // Whether the appearances of a map of any kind have signatures. A map gets all its images from one version of the
-// program or later ones: the first image with features in each of its leaves tells. True for one without any.
+// program or later ones: the first image of each of its leaves with appearances tells. True for one without any.
 bool has_signatures(const Reader& db, const MapLayout& layout, VocabularyId vocabulary);
 
 }  // namespace mapweld

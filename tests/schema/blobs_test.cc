@@ -123,6 +123,26 @@ TEST(AppearanceBlob, SignaturesComeBackWhereThereAreAny) {
                                  [](const Appearance& a) { return vote_signature(a.signature); }));
 }
 
+TEST(AppearanceBlob, WhatIsStaticComesBackAndIsInNoIndex) {
+  Random random(3);
+  for (const bool with_signatures : {false, true}) {
+    AppearanceVector image = test::random_appearances(random, 300, 50'000, with_signatures);
+    const Bytes without = encode_appearances(image);
+    image.static_appearances = test::random_appearances(random, 70, 50'000, with_signatures).appearances;
+    const Bytes blob = encode_appearances(image);
+    EXPECT_EQ(blob[1], 3);
+    EXPECT_EQ(decode_appearances(blob), image);
+    IndexedFeatures features, features_without;
+    decode_indexed(blob, features);
+    decode_indexed(without, features_without);
+    EXPECT_EQ(features.words, features_without.words);
+    EXPECT_EQ(features.signatures, features_without.signatures);
+    image.appearances.clear();
+    EXPECT_EQ(decode_appearances(encode_appearances(image)), image);
+    expect_damage_is_told(encode_appearances(image), decode_appearances);
+  }
+}
+
 TEST(AppearanceBlob, TheEndsOfTheGridComeBack) {
   AppearanceVector image{8192, 8192, {}};
   for (const WordId word : {WordId{0}, WordId{UINT32_MAX}}) {
@@ -144,6 +164,8 @@ TEST(AppearanceBlob, DamageIsTold) {
   expect_nonsense_is_survived('A', [](const Bytes& blob) { decode_appearances(blob); });
   expect_nonsense_is_survived(
       'A', [](const Bytes& blob) { decode_appearances(blob); }, 2);
+  expect_nonsense_is_survived(
+      'A', [](const Bytes& blob) { decode_appearances(blob); }, 3);
   expect_nonsense_is_survived('A', [](const Bytes& blob) {
     IndexedFeatures features;
     decode_indexed(blob, features);

@@ -99,6 +99,20 @@ TEST_F(MigrationsTest, EdgesThatAGuardHadJudgedGetItsConfidence) {
   EXPECT_EQ(unconfirmed, (std::vector<std::int64_t>{0, 1, 0}));
 }
 
+TEST_F(MigrationsTest, OfImagesFromBeforeNothingIsStatic) {
+  migrate(connection_, migrations().first(4));
+  connection_.execute(R"(
+    INSERT INTO vocabularies VALUES (1, 'words', 10, 128, 'sift-u8', 'exact', zeroblob(32), 0, 0);
+    INSERT INTO maps (id, uuid, name, kind, vocabulary, parameters, labels, created_at_us) VALUES
+      (1, printf('%036d', 1), 'plain', 'map', 1, '{}', '{}', 0);
+    INSERT INTO images (map, vertex, name, sha256, media_type, width_px, height_px, features, reason, uploaded_at_us)
+      VALUES (1, 0, 'a', zeroblob(32), 'image/png', 320, 240, 30, '', 0))");
+  migrate(connection_, migrations());
+  EXPECT_EQ(connection_.query_integer("SELECT static_features FROM images"), 0);
+  connection_.execute("UPDATE images SET static_features = 30");
+  EXPECT_THROW(connection_.execute("UPDATE images SET static_features = 31"), StoreError);
+}
+
 TEST_F(MigrationsTest, ANewerDatabaseIsRefusedAndStaysAsItIs) {
   migrate(connection_, kSteps);
   try {

@@ -108,6 +108,7 @@ TEST_F(StoreCheckTest, EveryKindOfDamageIsFoundWhereItIs) {
       {"UPDATE appearances SET bytes = CAST(bytes || x'00' AS BLOB) WHERE map = 2 AND vertex = 3",
        "appearances: map 2, vertex 3"},
       {"UPDATE images SET features = 41 WHERE map = 2 AND vertex = 3", "appearances: map 2, vertex 3"},
+      {"UPDATE images SET static_features = 1 WHERE map = 2 AND vertex = 3", "appearances: map 2, vertex 3"},
       {"UPDATE images SET width_px = 41 WHERE map = 2 AND vertex = 3", "appearances: map 2, vertex 3"},
       {"UPDATE vocabularies SET words = 10", "appearances: map 1"},
       // Two images change places: every blob is whole, but the segments are of the other order.

@@ -61,6 +61,34 @@ TEST_F(VertexStoreTest, AnImageComesBackWithEverythingThatWasTold) {
   EXPECT_EQ(find_map(reader, map_)->revision, 1U);
 }
 
+TEST_F(VertexStoreTest, WhatIsStaticComesBackAndTheNewestAreFound) {
+  std::vector<AppearanceVector> images;
+  for (std::uint32_t v = 0; v < 20; ++v) {
+    AppearanceVector image = test::random_appearances(random_, v == 0 ? 0 : 30, 1'000, true);
+    if (v % 3 == 0) image.static_appearances = test::random_appearances(random_, 7, 1'000, true).appearances;
+    images.push_back(image);
+    NewImage row = test::new_image(std::to_string(v), image);
+    row.features = static_cast<int>(image.appearances.size() + image.static_appearances.size());
+    WriteTransaction db = store_.write();
+    insert_vertex(db, map_, vocabulary_, row, image, {}, test::test_verifier(db));
+    db.commit();
+  }
+  store_.reopen();
+  const ReadTransaction reader = store_.read();
+  EXPECT_EQ(load_appearances(reader, map_, vocabulary_, VertexId{0}, 20), images);
+  EXPECT_EQ(find_vertex(reader, map_, VertexId{3})->static_features, 7);
+  EXPECT_EQ(find_vertex(reader, map_, VertexId{3})->features, 37);
+  EXPECT_EQ(find_vertex(reader, map_, VertexId{4})->static_features, 0);
+  const auto newest = [&](std::uint32_t vertices, std::uint32_t count) {
+    return load_newest_with_static(reader, map_, vocabulary_, vertices, count);
+  };
+  EXPECT_EQ(newest(20, 5), (std::vector{images[15], images[18]}));
+  EXPECT_EQ(newest(18, 5), (std::vector{images[15]}));
+  EXPECT_EQ(newest(20, 100).size(), 7u);
+  EXPECT_TRUE(newest(0, 5).empty());
+  EXPECT_TRUE(has_signatures(reader, load_layout(reader, map_), vocabulary_)) << "the first image has only static ones";
+}
+
 TEST_F(VertexStoreTest, EveryReasonComesBack) {
   for (int r = 0; r <= static_cast<int>(Reason::kUnsupported); ++r) {
     WriteTransaction db = store_.write();
