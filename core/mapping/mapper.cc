@@ -1,7 +1,9 @@
 #include "core/mapping/mapper.h"
 
 #include <algorithm>
+#include <utility>
 
+#include "core/mapping/static_content.h"
 #include "core/mapping/unmoved_view.h"
 
 namespace mapweld {
@@ -20,10 +22,9 @@ const LocalizationMatch* find_too_similar(const AppearanceVector& image, const M
   return unmoved == matches.end() ? nullptr : &*unmoved;
 }
 
-}  // namespace
-
-MappingDecision decide(const AppearanceVector& image, const MapView& map, const PairVerifier& verifier,
-                       const MapParameters& parameters) {
+// What becomes of an image whose static appearances are set apart.
+MappingDecision decide_on(const AppearanceVector& image, const MapView& map, const PairVerifier& verifier,
+                          const MapParameters& parameters) {
   const Localization found = localize(image, map, verifier, parameters);
   MappingDecision decision;
   decision.reason = found.reason;
@@ -37,6 +38,20 @@ MappingDecision decide(const AppearanceVector& image, const MapView& map, const 
     decision.inliers = similar->verification.inliers;
     decision.edges.clear();
   }
+  return decision;
+}
+
+}  // namespace
+
+MappingDecision decide(const AppearanceVector& image, const MapView& map, const PairVerifier& verifier,
+                       const MapParameters& parameters) {
+  AppearanceVector split = with_known_static(image, map);
+  MappingDecision decision = decide_on(split, map, verifier, parameters);
+  if (decision.outcome == MappingDecision::Outcome::kIgnored) return decision;
+  std::vector<VertexId> linked;
+  for (const LocalizationMatch& edge : decision.edges) linked.push_back(edge.vertex);
+  if (learn_static(split, linked, map)) decision = decide_on(split, map, verifier, parameters);
+  if (decision.outcome == MappingDecision::Outcome::kInserted) decision.image = std::move(split);
   return decision;
 }
 

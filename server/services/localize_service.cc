@@ -5,6 +5,7 @@
 #include "client/contract/problem.h"
 #include "core/geometry/epipolar_verifier.h"
 #include "core/mapping/localizer.h"
+#include "core/mapping/static_content.h"
 #include "schema/map_layout.h"
 #include "schema/vertex_store.h"
 #include "server/maps/map_settings.h"
@@ -57,7 +58,7 @@ contract::Localization LocalizeService::localize(const std::string& map_name, co
     const auto verifier = make_verifier({.min_inliers = parameters.min_inliers});
     const TimedVerifier timed(*verifier);
     const Stopwatch search;
-    const Localization found = mapweld::localize(*image.vector, *view, timed, parameters);
+    const Localization found = mapweld::localize(with_known_static(*image.vector, *view), *view, timed, parameters);
     metrics_.stage(Stage::kVerify).record(timed.elapsed_s());
     metrics_.stage(Stage::kVote).record(search.elapsed_s() - timed.elapsed_s());
 

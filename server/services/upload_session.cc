@@ -233,10 +233,11 @@ void UploadSession::decide_one(Pending& pending, std::uint32_t vertices) {
   const TimedVerifier verifier(*verifier_);
   pending.decision = mapweld::decide(*pending.prepared.image.vector, view, verifier, settings_.parameters);
   pending.vertex = VertexId{vertices};
-  if (loaded_ && pending.decision.outcome == MappingDecision::Outcome::kInserted) {
+  if (pending.decision.outcome == MappingDecision::Outcome::kInserted) {
+    pending.prepared.image.vector = std::make_shared<const AppearanceVector>(std::move(pending.decision.image));
     std::vector<VertexId> neighbours;
     for (const LocalizationMatch& match : pending.decision.edges) neighbours.push_back(match.vertex);
-    loaded_->append(pending.prepared.image.vector, neighbours);
+    if (loaded_) loaded_->append(pending.prepared.image.vector, neighbours);
   }
   pending.decided_in_s = watch.elapsed_s();
   context_.metrics.stage(Stage::kVerify).record(verifier.elapsed_s());

@@ -240,7 +240,7 @@ void BM_LocalizeInOffice(benchmark::State& state) {
     const MappingDecision decision = decide(p.appearances, map, *verifier, parameters);
     std::vector<VertexId> neighbours;
     for (const LocalizationMatch& edge : decision.edges) neighbours.push_back(edge.vertex);
-    map.add(p.appearances, neighbours);
+    map.add(decision.image, neighbours);
   }
   std::vector<double> localized;
   std::vector<double> verified;

@@ -144,7 +144,7 @@ void report_localization(const LocalizationTask& task, VoteRule rule) {
     if (decision.outcome == MappingDecision::Outcome::kIgnored) continue;
     std::vector<VertexId> neighbours;
     for (const LocalizationMatch& edge : decision.edges) neighbours.push_back(edge.vertex);
-    map.add(task.of_map[i]->appearances, neighbours);
+    map.add(decision.image, neighbours);
     photograph_of.push_back(i);
   }
   std::size_t right_by_votes = 0, right = 0, wrong = 0, unknown = 0, ambiguous = 0, candidates = 0;

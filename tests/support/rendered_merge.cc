@@ -25,11 +25,11 @@ namespace {
 
 class GrowingMap final : public MapView {
  public:
-  void add(const AppearanceVector& image, const MappingDecision& decision) {
+  void add(const MappingDecision& decision) {
     const auto id = static_cast<std::uint32_t>(made_.vertices.size());
     made_.vertex_of_image.push_back(id);
-    index_.add(image);
-    made_.vertices.push_back(std::make_shared<const AppearanceVector>(image));
+    index_.add(decision.image);
+    made_.vertices.push_back(std::make_shared<const AppearanceVector>(decision.image));
     neighbours_.emplace_back();
     for (const LocalizationMatch& e : decision.edges) {
       neighbours_[id].push_back(to_index(e.vertex));
@@ -109,7 +109,7 @@ MadeMap make_map(const std::vector<AppearanceVector>& images, const MapParameter
     if (decision.outcome == MappingDecision::Outcome::kIgnored) {
       map.ignore();
     } else {
-      map.add(image, decision);
+      map.add(decision);
     }
   }
   return map.take();

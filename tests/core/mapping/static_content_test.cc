@@ -1,5 +1,5 @@
-// What is in every picture of a camera joins nothing: rendered drives through two buildings that share nothing, with
-// the real extractor, vocabulary, mapper and verifier, every kind of overlay laid over them.
+// What is in every picture of a camera is learnt, and joins nothing: rendered drives through two buildings that share
+// nothing, with the real extractor, vocabulary, mapper and verifier, every kind of overlay laid over them.
 #include <memory>
 #include <optional>
 #include <string>
@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 #include <opencv2/core/mat.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "core/guard/guarded_map.h"
 #include "core/mapping/localizer.h"
@@ -63,6 +64,7 @@ std::vector<AppearanceVector> uncovered_of(std::uint64_t seed, Overlay overlay) 
 struct Edges {
   int first = 0, second = 0, between = 0;
   int confirmed_between = 0;  // by what the map says of itself
+  MadeMap map;
 };
 Edges edges_of_one_map(const std::vector<AppearanceVector>& first, const std::vector<AppearanceVector>& second) {
   std::vector<AppearanceVector> all = first;
@@ -85,7 +87,32 @@ Edges edges_of_one_map(const std::vector<AppearanceVector>& first, const std::ve
     const bool is_between = is_second[to_index(edge.u)] != is_second[to_index(edge.v)];
     edges.confirmed_between += is_between && judged.verdicts()[e].confirmed() ? 1 : 0;
   }
+  edges.map = map;
   return edges;
+}
+
+// What a map of the images of both buildings has marked.
+struct Marked {
+  int images = 0;      // of which something is static
+  int features = 0;    // static ones of all
+  int of_overlay = 0;  // of them, that lie within some pixels of it
+};
+Marked marked_in(const MadeMap& map, Overlay overlay) {
+  Marked marked;
+  for (std::size_t i = 0; i < map.vertex_of_image.size(); ++i) {
+    if (map.vertex_of_image[i] == MadeMap::kIgnored) continue;
+    const AppearanceVector& image = *map.vertices[map.vertex_of_image[i]];
+    if (image.static_appearances.empty()) continue;
+    const std::uint64_t frame = i < kImages ? 100 * kFirst + i : 100 * kSecond + i - kImages;
+    cv::Mat covered = covered_by(overlay, {image.width_px, image.height_px}, static_cast<int>(frame));
+    cv::dilate(covered, covered, cv::getStructuringElement(cv::MORPH_ELLIPSE, {17, 17}));
+    ++marked.images;
+    for (const Appearance& p : image.static_appearances) {
+      ++marked.features;
+      marked.of_overlay += covered.at<std::uint8_t>(static_cast<int>(p.y_px), static_cast<int>(p.x_px)) != 0 ? 1 : 0;
+    }
+  }
+  return marked;
 }
 
 class StaticContent : public ::testing::TestWithParam<Overlay> {};
@@ -95,6 +122,7 @@ TEST_P(StaticContent, JoinsNoTwoBuildingsAndLeavesEachItsEdges) {
   ASSERT_GE(plain.first, 40);
   ASSERT_GE(plain.second, 40);
   ASSERT_EQ(plain.between, 0);
+  ASSERT_EQ(marked_in(plain.map, GetParam()).images, 0);
   const Overlay kind = GetParam();
   const Edges visible = edges_of_one_map(uncovered_of(kFirst, kind), uncovered_of(kSecond, kind));
   const Edges edges = edges_of_one_map(images_of(kFirst, kind), images_of(kSecond, kind));
@@ -102,6 +130,12 @@ TEST_P(StaticContent, JoinsNoTwoBuildingsAndLeavesEachItsEdges) {
   EXPECT_EQ(edges.confirmed_between, 0);
   EXPECT_GE(edges.first + edges.second, (visible.first + visible.second) * 8 / 10)
       << "without overlay " << plain.first + plain.second;
+  const Marked marked = marked_in(edges.map, kind);
+  EXPECT_GE(marked.images, 5) << "each building is nearly one neighbourhood, so that few images teach";
+  EXPECT_GE(marked.of_overlay, marked.features * 9 / 10);
+  RecordProperty("marked_images", marked.images);
+  RecordProperty("marked_features", marked.features);
+  RecordProperty("marked_of_overlay", marked.of_overlay);
   RecordProperty("within", edges.first + edges.second);
   RecordProperty("within_where_not_covered", visible.first + visible.second);
   RecordProperty("within_without_overlay", plain.first + plain.second);
