@@ -17,6 +17,8 @@ struct MapOptions {
   std::string name;
 };
 
+std::string percent_text(double share) { return std::to_string(std::lround(100 * share)) + " %"; }
+
 std::string describe(const contract::Map& map) {
   std::vector<std::pair<std::string, std::string>> lines = {
       {"name", map.name},
@@ -44,7 +46,10 @@ std::string describe(const contract::Map& map) {
   lines.emplace_back("parameters", parameters);
   if (map.mask) {
     lines.emplace_back("mask", std::to_string(map.mask->width_px) + "x" + std::to_string(map.mask->height_px) + ", " +
-                                   std::to_string(std::lround(100 * map.mask->used_share)) + " % of an image used");
+                                   percent_text(map.mask->used_share) + " of an image used");
+  }
+  if (map.static_share > 0) {
+    lines.emplace_back("static", percent_text(map.static_share) + " of an image, the same in all of them, is left out");
   }
   std::string labels;
   for (const auto& [key, text] : map.labels) labels += (labels.empty() ? "" : ", ") + printable(key + "=" + text);

@@ -89,6 +89,7 @@ struct Map {
   MapParameters parameters;
   std::map<std::string, std::string> labels;
   std::optional<MapMask> mask;        // absent: every pixel is used
+  double static_share = 0;            // of the frame; what looks the same in every image, and is left out
   std::vector<MapMember> members;     // of a merged map, in the order of submission
   std::optional<std::int64_t> merge;  // the merge that owns a merged map; absent in a plain map
   std::string created_at;             // RFC 3339, UTC
@@ -98,9 +99,9 @@ struct Map {
                       field("vertices", &Map::vertices), field("edges", &Map::edges),
                       field("edge_counts", &Map::edge_counts), field("ignored", &Map::ignored),
                       field("uuid", &Map::uuid), field("parameters", &Map::parameters), field("labels", &Map::labels),
-                      omitted_when_empty("mask", &Map::mask), field("members", &Map::members),
-                      omitted_when_empty("merge", &Map::merge), field("created_at", &Map::created_at),
-                      field("revision", &Map::revision));
+                      omitted_when_empty("mask", &Map::mask), field("static_share", &Map::static_share),
+                      field("members", &Map::members), omitted_when_empty("merge", &Map::merge),
+                      field("created_at", &Map::created_at), field("revision", &Map::revision));
   }
   friend bool operator==(const Map&, const Map&) = default;
 };

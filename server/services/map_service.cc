@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "client/contract/problem.h"
+#include "core/mapping/static_content.h"
 #include "schema/edge_store.h"
 #include "schema/mask_store.h"
 #include "schema/merge_store.h"
@@ -36,6 +37,18 @@ VertexRow require_vertex(const Reader& db, const MapRow& map, const MapLayout& l
     }
   }
   throw ContractError("no_such_vertex", "The map \"" + map.name + "\" has no vertex " + std::to_string(vertex) + ".");
+}
+
+// As the newest images show it; of a merged map, the mean over the vertices of its members.
+double static_share_of(const Reader& db, const MapRow& map, const MapLayout& layout) {
+  constexpr std::uint32_t kNewest = 16;
+  double sum = 0;
+  for (const LayoutNode& node : layout.nodes()) {
+    if (node.kind != MapKind::kMap) continue;
+    const std::uint32_t vertices = node.watermark;
+    sum += vertices * static_share(load_newest_with_static(db, node.map, map.vocabulary, vertices, kNewest));
+  }
+  return layout.vertices() == 0 ? 0 : sum / layout.vertices();
 }
 
 EdgeCursor parse_edge_cursor(const std::optional<std::string>& cursor) {
@@ -138,6 +151,7 @@ contract::Map MapService::describe(const Reader& db, const MapRow& map) const {
                 .used_share = static_cast<double>(mask->used_pixels) / pixels,
                 .sha256 = to_hex(mask->sha256)};
   }
+  out.static_share = static_share_of(db, map, layout);
   if (map.kind == MapKind::kMerged) {
     for (const MemberRow& member : list_members(db, map.id)) out.members.push_back({member.name, member.watermark});
     if (const std::optional<MergeRow> merge = find_merge_of(db, map.id)) out.merge = to_index(merge->id);

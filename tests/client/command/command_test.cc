@@ -121,6 +121,10 @@ TEST_F(Command, MapsAreMadeListedAndDeleted) {
   const Ended made = ask("map create lab --min-votes 12 --label robot=p3at-1 --json");
   EXPECT_EQ(made.code, 0);
   EXPECT_EQ(made.out, map + "\n");  // exactly what the server said, unknown fields too
+  server.script("GET /v1/maps/lab", 200, map);
+  EXPECT_EQ(ask("map show lab").out.find("static"), std::string::npos);
+  server.script("GET /v1/maps/lab", 200, std::string(R"({"name":"lab","static_share":0.115})"));
+  EXPECT_NE(ask("map show lab").out.find("12 % of an image, the same in all of them, is left out"), std::string::npos);
   const Ended list = ask("map list");
   EXPECT_TRUE(std::regex_search(list.out, std::regex("lab +map +3 +2 +4 +1 +indoor-50k"))) << list.out;
   const Ended gone = ask("map delete lab");

@@ -27,13 +27,13 @@ TEST(Documents, MapHasTheShapeOfThePage) {
     "edge_counts":{"verified":9240,"confirmed":9121},"ignored":40,"uuid":"7d444840-9dc0-11d1-b245-5ffdce74fad2",
     "parameters":{"max_features":500,"min_votes":12,"min_inliers":12,"max_inliers":150,"verify_top":20,"votes":"min",
                   "store_images":"full"},
-    "labels":{"robot":"p3at-1"},"members":[],"created_at":"2026-11-23T10:00:00Z","revision":1396})");
+    "labels":{"robot":"p3at-1"},"static_share":0.12,"members":[],"created_at":"2026-11-23T10:00:00Z","revision":1396})");
 }
 
 TEST(Documents, MergedMapNamesItsMembersAndItsMerge) {
   const char* text = R"({"name":"lab","kind":"merged","vocabulary":"indoor-50k","vertices":1966,"edges":11021,
     "edge_counts":{"verified":12040,"confirmed":11021},"ignored":0,"uuid":"7d444840-9dc0-11d1-b245-5ffdce74fad3","parameters":{},"labels":{},
-    "members":[{"map":"lab-a","watermark":1356},{"map":"lab-b","watermark":610}],"merge":1,
+    "static_share":0.0,"members":[{"map":"lab-a","watermark":1356},{"map":"lab-b","watermark":610}],"merge":1,
     "created_at":"2026-11-23T10:00:00Z","revision":3})";
   expect_round_trip<Map>(text);
   const auto map = parse_json(text).get<Map>();
