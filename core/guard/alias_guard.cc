@@ -83,6 +83,7 @@ struct AliasGuard::Parts {
     signs.fullness = edge_fullness(*appearances.appearances(edge.u), *appearances.appearances(edge.v), verified);
     signs.rare_matches = of_u.rarity().rare_matches(u.own, of_v.rarity(), v.own, verified);
     signs.far_images = std::min(of_u.rarity().far_images(u.own), of_v.rarity().far_images(v.own));
+    signs.common_share = std::max(of_u.rarity().common_share(u.own), of_v.rarity().common_share(v.own));
     signs.inner_fullness = std::min(of_u.fullness(u.own), of_v.fullness(v.own));
     beliefs->add(to_index(edge.u), to_index(edge.v), signs);
     judged.emplace_back(edge.u, edge.v);

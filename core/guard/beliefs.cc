@@ -41,10 +41,12 @@ void Beliefs::for_each_supporter(const LinkLists& links, std::uint32_t e, const 
 }
 
 void Beliefs::see_around(std::uint32_t e, std::vector<std::uint32_t>& raised) {
-  for_each_supporter(around_, e, [&](std::uint32_t f, double) {
-    edges_[e].signs.fullness_around = std::max(edges_[e].signs.fullness_around, edges_[f].signs.fullness);
-    if (edges_[f].signs.fullness_around < edges_[e].signs.fullness) {
-      edges_[f].signs.fullness_around = edges_[e].signs.fullness;
+  EdgeSigns& mine = edges_[e].signs;
+  for_each_supporter(around_, e, [&](std::uint32_t f, double along) {
+    EdgeSigns& other = edges_[f].signs;
+    mine.fullness_around = std::max(mine.fullness_around, std::min(other.fullness, along));
+    if (const double shown = std::min(mine.fullness, along); other.fullness_around < shown) {
+      other.fullness_around = shown;
       raised.push_back(f);
     }
   });

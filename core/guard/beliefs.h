@@ -19,8 +19,9 @@ namespace mapweld {
 // what has changed. One thread.
 class Beliefs {
  public:
-  // Fullness is looked for `around` an edge along one set of links, and belief passed on along another; both by vertex,
-  // may be one, must outlive this object and may change between calls of `settle`.
+  // Fullness is looked for `around` an edge along one set of links, whose beliefs are fullnesses: what is seen along a
+  // link counts at most as full as the link. Belief is passed on along another. Both by vertex, may be one, must
+  // outlive this object and may change between calls of `settle`.
   Beliefs(const LinkLists& around, const LinkLists& passing, const EvidenceModel& model, bool is_inner)
       : around_(around),
         passing_(passing),

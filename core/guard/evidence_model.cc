@@ -31,15 +31,22 @@ const std::array<double, kSteps>& steps() {
 
 }  // namespace
 
+bool is_near_view(const EdgeSigns& signs, const EvidenceModel& model) {
+  return signs.fullness >= model.near_view * signs.inner_fullness;
+}
+
 EvidenceParts weigh(const EdgeSigns& signs, const EvidenceModel& model, bool is_inner) {
   EvidenceParts parts;
   parts.prior = is_inner ? model.inner_prior : model.prior;
   const double far = signs.far_images;
-  parts.rarity = model.rarity * portable_log(1 + signs.rare_matches * far / (far + model.half_tested));
+  const double tested = far / (far + model.half_tested);
+  const double unlike = model.usual_similarity * portable_log(1 + far) / (signs.common_share + model.common_floor);
+  parts.rarity = model.rarity * portable_log(1 + signs.rare_matches * tested * unlike);
   parts.fullness = model.fullness * portable_log(std::max(1.0, signs.fullness_around / model.full));
   const double inner = signs.inner_fullness;
+  const double density = inner * inner / (inner * inner + model.dense * model.dense);
+  if (is_inner && is_near_view(signs, model)) parts.nearness = model.nearness * density * density * density * density;
   if (inner > signs.fullness_around) {
-    const double density = inner * inner / (inner * inner + model.dense * model.dense);
     parts.shortfall = model.shortfall * density * portable_log(std::max(kFloor, signs.fullness_around) / inner);
   }
   return parts;

@@ -12,10 +12,14 @@ struct EdgeSigns {
   // common verified neighbour.
   int rare_matches = 0;
   std::uint32_t far_images = 0;  // of the end whose map has fewer: how well rarity could be tested
-  double fullness = 0;           // see edge_fullness
-  double fullness_around = 0;    // the greatest of this edge and of those that support it
-  // The greatest fullness of an inner edge of either end, the lesser of the two: how fully a map shows a place again
-  // that it has seen from nearly the same spot. 0 where an end has no inner edge.
+  // Of the features of an image, those that a far image of its map holds, in [0, 1]: the greater of the two ends.
+  double common_share = 0;
+  double fullness = 0;  // see edge_fullness
+  // The greatest of this edge's fullness and of that of edges that support it, as far as the links to these are full.
+  double fullness_around = 0;
+  // How fully the maps show a place again that they have seen from nearly the same spot, by the greatest fullness of an
+  // inner edge of either end: of two maps the lesser (one may be far denser), of one map the geometric mean. 0 where an
+  // end has no inner edge.
   double inner_fullness = 0;
   friend bool operator==(const EdgeSigns&, const EdgeSigns&) = default;
 };
@@ -25,17 +29,25 @@ struct EdgeSigns {
 // far image, no inner edge) adds nothing, and the absence of one that they cannot test takes nothing.
 struct EvidenceModel {
   // Before anything is known: of an edge between maps, and inside a map, where most edges join successive views.
-  double prior = -3.5;
+  double prior = -3.1;
   double inner_prior = -2.75;
-  // For: rare matches, by the chance that a thing seen elsewhere would have been met, far / (far + half_tested).
-  double rarity = 2.2;
+  // For: rare matches, by the chance that a thing seen elsewhere would have been met, far / (far + half_tested), and by
+  // how much the images are like others of their maps: self-similarity = (common_share + common_floor) / ln(1 + far),
+  // as a multiple of what is usual. Where much of an image recurs, what has not yet recurred is worth less.
+  double rarity = 2.8;
   double half_tested = 100;
+  double common_floor = 0.1;
+  double usual_similarity = 0.07;
   // For: a fullness around of more than `full`.
   double fullness = 4.2;
   double full = 1.3;
   // Against: less of it than the maps' own inner fullness, by how dense they are, inner^2 / (inner^2 + dense^2).
   double shortfall = 2.3;
   double dense = 1.5;
+  // For, inside a map: an edge that is at least `near_view` as full as the fullest edges of its ends joins views from
+  // nearly one spot, and where maps are dense these are neighbours on the way: nearness * density^4.
+  double nearness = 4;
+  double near_view = 0.6;
   // What an edge whose ends are within one link of another's is worth less than that one.
   double step = 0.25;
 };
@@ -46,9 +58,13 @@ struct EvidenceParts {
   double rarity = 0;     // >= 0
   double fullness = 0;   // >= 0
   double shortfall = 0;  // <= 0
-  double sum() const { return prior + rarity + fullness + shortfall; }
+  double nearness = 0;   // >= 0, inside a map only
+  double sum() const { return prior + rarity + fullness + shortfall + nearness; }
   friend bool operator==(const EvidenceParts&, const EvidenceParts&) = default;
 };
+
+// Whether an edge is as full as views from nearly one spot are on its maps.
+bool is_near_view(const EdgeSigns& signs, const EvidenceModel& model);
 
 // The same bits on every processor.
 EvidenceParts weigh(const EdgeSigns& signs, const EvidenceModel& model, bool is_inner = false);

@@ -14,10 +14,12 @@ struct Meaning {
 constexpr Meaning kMeanings[] = {
     {"rare_matches", "matches on things that either map has near this place only"},
     {"far_images", "images far away that could have had them too: with few, rarity says little"},
+    {"common_share", "how much of the images either map shows elsewhere too: where much recurs, rarity says less"},
     {"fullness_around",
      "how much of the view agrees, all over it, here or in an edge beside it; a view seen twice has 2 to 9"},
     {"fullness", "how much of the view agrees, all over it, in this edge"},
     {"inner_fullness", "how fully the maps show a place again by themselves; less than that speaks against"},
+    {"nearness", "how nearly as full the edge is as the fullest of its ends: in dense maps, neighbours on the way"},
     {"neighbours", "what edges between the same two places add"},
     {"prior", "what is asked of any edge"},
 };
@@ -27,9 +29,11 @@ constexpr Meaning kMeanings[] = {
 std::vector<EvidenceItem> evidence_items(const GuardEvidence& e) {
   return {{"rare_matches", static_cast<double>(e.signs.rare_matches), e.parts.rarity},
           {"far_images", static_cast<double>(e.signs.far_images), std::nullopt},
+          {"common_share", e.signs.common_share, std::nullopt},
           {"fullness_around", e.signs.fullness_around, e.parts.fullness},
           {"fullness", e.signs.fullness, std::nullopt},
           {"inner_fullness", e.signs.inner_fullness, e.parts.shortfall},
+          {"nearness", e.signs.inner_fullness > 0 ? e.signs.fullness / e.signs.inner_fullness : 0, e.parts.nearness},
           {"neighbours", e.neighbours, e.neighbours},
           {"prior", e.parts.prior, e.parts.prior}};
 }

@@ -1,6 +1,7 @@
 #include "core/guard/guarded_map.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -42,17 +43,16 @@ GuardedMap::GuardedMap(std::uint32_t vertices, const ImageLookup& images, std::s
     }
     return fullest_links(vertices, candidates, options.most_links);
   };
-  const auto is_strong = [&](std::uint32_t e) {
-    return signs[e].fullness >= options.strong_link * signs[e].inner_fullness;
-  };
-  const auto is_certain = [](std::uint32_t) { return std::numeric_limits<double>::infinity(); };
+  const auto is_strong = [&](std::uint32_t e) { return is_near_view(signs[e], options.model); };
+  constexpr double kCertain = std::numeric_limits<double>::infinity();
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const std::uint32_t u = to_index(edges[e].u), v = to_index(edges[e].v);
     signs[e].rare_matches = rarity_.rare_matches(u, rarity_, v, edges[e]);
     signs[e].far_images = std::min(rarity_.far_images(u), rarity_.far_images(v));
-    signs[e].inner_fullness = std::min(fullness_[u], fullness_[v]);
+    signs[e].common_share = std::max(rarity_.common_share(u), rarity_.common_share(v));
+    signs[e].inner_fullness = std::sqrt(fullness_[u] * fullness_[v]);
   }
-  around_ = links_of(is_strong, is_certain);
+  around_ = links_of([](std::uint32_t) { return true; }, [&](std::uint32_t e) { return signs[e].fullness; });
   LinkLists confirmed(vertices);
   Beliefs beliefs(around_, confirmed, options.model, true);
   for (std::size_t e = 0; e < edges.size(); ++e) beliefs.add(to_index(edges[e].u), to_index(edges[e].v), signs[e]);
@@ -71,7 +71,7 @@ GuardedMap::GuardedMap(std::uint32_t vertices, const ImageLookup& images, std::s
     beliefs.settle(true);
   }
   passing_ = links_of([&](std::uint32_t e) { return is_strong(e) || is_confirmed(e); },
-                      [&](std::uint32_t e) { return is_strong(e) ? is_certain(e) : belief(e); });
+                      [&](std::uint32_t e) { return is_strong(e) ? kCertain : belief(e); });
   for (std::uint32_t e = 0; e < edges.size(); ++e) {
     verdicts_.push_back(verdict_of(beliefs.signs(e), beliefs.belief(e), options, true));
   }

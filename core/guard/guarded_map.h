@@ -23,8 +23,9 @@ class GuardedMap {
 
   // By edge, as given.
   const std::vector<GuardVerdict>& verdicts() const { return verdicts_; }
-  // The images beside each image, by its fullest edges. Around: those that are nearly as full as the fullest of their
-  // ends (GuardOptions::strong_link), whatever is believed of them. Passing: those and the confirmed ones.
+  // The images beside each image, by its fullest edges. Around: all verified ones, each with its fullness in the place
+  // of a belief. Passing: those that are near views (is_near_view), which are taken for certain, and the confirmed ones
+  // with what is believed of them.
   const LinkLists& around() const { return around_; }
   const LinkLists& passing() const { return passing_; }
   // The greatest fullness of a verified edge at a vertex; 0 without one.

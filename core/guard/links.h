@@ -6,7 +6,8 @@
 
 namespace mapweld {
 
-// A link from a vertex to another, and how far it is believed in: log odds, or infinity for one that is not judged.
+// A link from a vertex to another, and what it lets through at most: log odds (infinity for a link that is not judged),
+// or a fullness.
 struct Link {
   std::uint32_t to = 0;
   double belief = 0;

@@ -43,6 +43,11 @@ std::uint32_t OwnRarity::far_images(std::uint32_t vertex) {
   return known_[vertex].far_images;
 }
 
+double OwnRarity::common_share(std::uint32_t vertex) {
+  learn(vertex);
+  return known_[vertex].common_share;
+}
+
 const std::vector<bool>& OwnRarity::rare(std::uint32_t vertex) {
   learn(vertex);
   return known_[vertex].rare;
@@ -89,6 +94,8 @@ void OwnRarity::learn(std::uint32_t vertex) {
       }
     }
   }
+  const auto common = static_cast<double>(std::ranges::count(known.rare, false));
+  if (common > 0) known.common_share = common / static_cast<double>(appearances.size());
   known.is_known = true;
 }
 

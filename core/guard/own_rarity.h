@@ -24,6 +24,8 @@ class OwnRarity {
 
   // Images of the map that are far from v: not v, no verified link to it, no common neighbour.
   std::uint32_t far_images(std::uint32_t vertex);
+  // The share of v's features that a far image holds, in [0, 1]; 0 without features.
+  double common_share(std::uint32_t vertex);
   // By appearance of v: whether no far image holds it. Valid as long as this object.
   const std::vector<bool>& rare(std::uint32_t vertex);
   // Inliers of an edge from `u` here to `v` of another map (or of this one) that are rare at both ends.
@@ -38,6 +40,7 @@ class OwnRarity {
   struct Known {
     bool is_known = false;
     std::uint32_t far_images = 0;
+    double common_share = 0;
     std::vector<bool> rare;
   };
   void learn(std::uint32_t vertex);

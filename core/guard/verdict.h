@@ -12,10 +12,7 @@ namespace mapweld {
 struct GuardOptions {
   double min_confidence = kDefaultMinConfidence;  // of a confirmed edge; in [0, 1]
   EvidenceModel model;
-  // An inner edge that is so full, as a share of the fullest of its ends (of the end that has less), is a link before
-  // anything is judged; and an image has at most so many links.
-  double strong_link = 0.6;
-  std::size_t most_links = 20;
+  std::size_t most_links = 20;  // of an image, the fullest
 };
 
 // `confirmed` is `confidence >= min_confidence`; the reason of what is not is kUnsupported.

@@ -68,9 +68,8 @@ std::vector<double> expected(const Case& c, const EvidenceModel& model) {
   for (std::size_t e = 0; e < n; ++e) {
     EdgeSigns signs = signs_of(c.edges[e]);
     for (const Case::E& f : c.edges) {
-      if (std::isinf(along(c.edges[e].u, f.u)) && along(c.edges[e].u, f.u) < 0) continue;
-      if (std::isinf(along(c.edges[e].v, f.v)) && along(c.edges[e].v, f.v) < 0) continue;
-      signs.fullness_around = std::max(signs.fullness_around, f.fullness);
+      const double seen = std::min({f.fullness, along(c.edges[e].u, f.u), along(c.edges[e].v, f.v)});
+      signs.fullness_around = std::max(signs.fullness_around, seen);
     }
     belief[e] = weigh(signs, model).sum();
   }
@@ -110,6 +109,26 @@ TEST(Beliefs, AreWhatTheDefinitionSaysHoweverTheEdgesCome) {
     }
   }
   EXPECT_GT(grown, 100);
+}
+
+TEST(Beliefs, AFullEdgeIsSeenAsFarAsTheLinksToItAreFull) {
+  LinkLists around(4);  // 0 - 1 on one side, 2 - 3 on the other
+  around[0] = {{1, 0.8}};
+  around[1] = {{0, 0.8}};
+  around[2] = {{3, 2.5}};
+  around[3] = {{2, 2.5}};
+  const LinkLists none(4);
+  Beliefs beliefs(around, none, {}, false);
+  EdgeSigns full, faint;
+  full.fullness = 5;
+  faint.fullness = 0.3;
+  beliefs.add(0, 2, faint);
+  beliefs.add(0, 3, faint);
+  beliefs.add(1, 3, full);
+  beliefs.settle();
+  EXPECT_EQ(beliefs.signs(0).fullness_around, 0.8);
+  EXPECT_EQ(beliefs.signs(1).fullness_around, 0.8);
+  EXPECT_EQ(beliefs.signs(2).fullness_around, 5);
 }
 
 TEST(Beliefs, AChainIsAsStrongAsItsWeakestLink) {

@@ -43,6 +43,26 @@ TEST(EvidenceModel, GrowsWithRarityItsTestAndFullness) {
   }
 }
 
+TEST(EvidenceModel, RareMatchesSayLessWhereMoreOfTheImagesRecurs) {
+  double before = 100;
+  for (const double common : {0.0, 0.1, 0.4, 0.9}) {
+    const double now = weigh({.rare_matches = 20, .far_images = 100, .common_share = common}, {}).rarity;
+    EXPECT_LT(now, before);
+    EXPECT_GT(now, 0);
+    before = now;
+  }
+}
+
+TEST(EvidenceModel, ANearViewInsideADenseMapIsANeighbourOnTheWay) {
+  const auto nearness = [](double fullness, double inner, bool is_inner) {
+    return weigh({.fullness = fullness, .fullness_around = fullness, .inner_fullness = inner}, {}, is_inner).nearness;
+  };
+  EXPECT_GT(nearness(4, 5, true), 2);
+  EXPECT_LT(nearness(0.5, 0.5, true), 0.1) << "a sparse map's fullest may join anything";
+  EXPECT_EQ(nearness(2.9, 5, true), 0) << "the maps show places again more fully than that";
+  EXPECT_EQ(nearness(4, 5, false), 0) << "two maps have no way in common";
+}
+
 TEST(EvidenceModel, LessThanTheMapsOwnFullnessSpeaksAgainstTheMoreTheDenserTheyAre) {
   const auto shortfall = [](double inner) {
     return weigh({.fullness_around = 0.5, .inner_fullness = inner}, {}).shortfall;

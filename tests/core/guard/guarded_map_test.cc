@@ -73,6 +73,20 @@ TEST(GuardedMap, LinksADriveAndNotItsDouble) {
   }
 }
 
+TEST(GuardedMap, AnImageWithoutGoodViewsOfItsOwnLeadsNobodyIntoTheDouble) {
+  Storeys storeys(30);
+  std::erase_if(storeys.edges, [](const VerifiedEdge& e) { return to_index(e.v) == 59; });
+  const std::size_t right = storeys.edges.size();
+  storeys.join(58, 59, 0, 26);  // dim: what it sees of its own storey is hardly fuller than what the double shows
+  for (std::uint32_t v = 8; v <= 14; ++v) storeys.join(v, 59, 0, Storeys::kCommon);
+  for (std::uint32_t v = 8; v <= 14; ++v) storeys.join(v, 58, 0, Storeys::kCommon);
+  const GuardedMap map = storeys.map(storeys.edges);
+  for (std::size_t e = 0; e < storeys.edges.size(); ++e) {
+    if (e == right) continue;  // 58 and 59: doubtful either way
+    EXPECT_EQ(map.verdicts()[e].confirmed(), e < right) << e;
+  }
+}
+
 TEST(GuardedMap, TheOrderOfTheEdgesDoesNotMatter) {
   Storeys storeys(20);
   storeys.join_storeys();

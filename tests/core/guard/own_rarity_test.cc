@@ -63,6 +63,7 @@ TEST(OwnRarity, IsWhatTheDefinitionSays) {
         if (w != u && !linked[u].contains(w) && !shares) far.insert(w);
       }
       EXPECT_EQ(rarity.far_images(u), far.size());
+      int held = 0;
       for (std::size_t i = 0; i < images[u]->appearances.size(); ++i) {
         const Appearance& a = images[u]->appearances[i];
         bool elsewhere = false;
@@ -73,7 +74,9 @@ TEST(OwnRarity, IsWhatTheDefinitionSays) {
         }
         ASSERT_EQ(rarity.rare(u)[i], !elsewhere);
         ++(elsewhere ? common : rare);
+        held += elsewhere ? 1 : 0;
       }
+      EXPECT_DOUBLE_EQ(rarity.common_share(u), held / static_cast<double>(images[u]->appearances.size()));
     }
   }
   EXPECT_GT(rare, 100);
