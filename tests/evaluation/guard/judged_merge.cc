@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using rendered::MadeMap;
 using rendered::MadeMerge;
 
-constexpr float kSharedView = 0.1f;
+constexpr float kSharedView = 0.1f, kNothingShared = 0.02f;
 constexpr double kFarInside_m = 10;
 
 fs::path file_of(const GuardCase& c, const fs::path& cache, const char* ending) { return cache / (c.name + ending); }
@@ -101,7 +101,9 @@ void judge_rendered(JudgedMerge& judged) {
   std::vector<rendered::Pose> poses = merge.a.poses;
   poses.insert(poses.end(), merge.b.poses.begin(), merge.b.poses.end());
   for (const float shared : merge.shared) {
-    judged.inter_truth.push_back(shared >= kSharedView ? Truth::kRight : Truth::kWrong);
+    judged.inter_truth.push_back(shared >= kSharedView     ? Truth::kRight
+                                 : shared < kNothingShared ? Truth::kWrong
+                                                           : Truth::kUnknown);
   }
   for (const VerifiedEdge& edge : judged.inner) {
     const rendered::Pose& u = poses[to_index(edge.u)];

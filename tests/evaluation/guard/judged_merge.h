@@ -16,8 +16,9 @@ struct JudgedMerge {
   rendered::MadeMerge merge;
   std::vector<VerifiedEdge> inner;  // merged numbers
   // By edge of merge.inter_edges and of `inner`. Photographs: PhotographTruth. Rendered, between maps: right when both
-  // images see 10 % of each other's view, otherwise wrong; inside a map, on two storeys or more than 10 m apart wrong,
-  // otherwise unknown.
+  // images see 10 % of each other's view, wrong below 2 %, otherwise unknown (from near and from far the share is
+  // small, and yet matches agree with depth in most of them); inside a map, on two storeys or more than 10 m apart
+  // wrong, otherwise unknown.
   std::vector<Truth> inter_truth, inner_truth;
   // By merged vertex: what it shows, for people, and how many images it stands for: itself, and those that were ignored
   // because they resemble it (more than any other vertex).
