@@ -21,6 +21,9 @@ struct EdgeSigns {
   // inner edge of either end: of two maps the lesser (one may be far denser), of one map the geometric mean. 0 where an
   // end has no inner edge.
   double inner_fullness = 0;
+  // Of an edge between successive images of one map: the log odds that it is one because they are neighbours on the way
+  // (see way_odds). Counts for the verdict on this edge alone; belief in it is passed on without.
+  double on_the_way = 0;
   friend bool operator==(const EdgeSigns&, const EdgeSigns&) = default;
 };
 
@@ -48,6 +51,8 @@ struct EvidenceModel {
   // nearly one spot, and where maps are dense these are neighbours on the way: nearness * density^4.
   double nearness = 4;
   double near_view = 0.6;
+  // The most that is made of an edge between successive images.
+  double most_on_the_way = 4;
   // What an edge whose ends are within one link of another's is worth less than that one.
   double step = 0.25;
 };

@@ -20,6 +20,7 @@ constexpr Meaning kMeanings[] = {
     {"fullness", "how much of the view agrees, all over it, in this edge"},
     {"inner_fullness", "how fully the maps show a place again by themselves; less than that speaks against"},
     {"nearness", "how nearly as full the edge is as the fullest of its ends: in dense maps, neighbours on the way"},
+    {"on_the_way", "how much more often than any two images successive ones verify here: a drive, and not a collection"},
     {"neighbours", "what edges between the same two places add"},
     {"prior", "what is asked of any edge"},
 };
@@ -34,6 +35,7 @@ std::vector<EvidenceItem> evidence_items(const GuardEvidence& e) {
           {"fullness", e.signs.fullness, std::nullopt},
           {"inner_fullness", e.signs.inner_fullness, e.parts.shortfall},
           {"nearness", e.signs.inner_fullness > 0 ? e.signs.fullness / e.signs.inner_fullness : 0, e.parts.nearness},
+          {"on_the_way", e.signs.on_the_way, e.signs.on_the_way},
           {"neighbours", e.neighbours, e.neighbours},
           {"prior", e.parts.prior, e.parts.prior}};
 }

@@ -6,11 +6,16 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/geometry/portable_math.h"
 #include "core/guard/beliefs.h"
 #include "core/guard/edge_fullness.h"
 
 namespace mapweld {
 namespace {
+
+bool is_successive(const VerifiedEdge& e) {
+  return to_index(e.u) + 1 == to_index(e.v) || to_index(e.v) + 1 == to_index(e.u);
+}
 
 std::vector<std::vector<std::uint32_t>> verified_neighbours(std::uint32_t vertices,
                                                             std::span<const VerifiedEdge> edges) {
@@ -23,6 +28,18 @@ std::vector<std::vector<std::uint32_t>> verified_neighbours(std::uint32_t vertic
   }
   for (auto& list : neighbours) std::ranges::sort(list);
   return neighbours;
+}
+
+// How much more often successive images verify than any other two: the log odds that an edge between them is one because
+// they are neighbours on the way, between 0 (a collection without order) and `most`. Two images more than there are
+// speak against, so that a handful says little.
+double way_odds(std::uint32_t vertices, std::span<const VerifiedEdge> edges, double most) {
+  const auto successive = static_cast<double>(std::ranges::count_if(edges, is_successive));
+  const double pairs = vertices / 2.0 * (vertices - 1.0), ways = vertices - 1.0;
+  if (vertices < 3) return 0;
+  const double rate = successive / (ways + 2);
+  const double others = (static_cast<double>(edges.size()) - successive + 1) / (pairs - ways + 1);
+  return rate > others ? std::clamp(portable_log((rate - others) / others), 0.0, most) : 0;
 }
 
 }  // namespace
@@ -72,8 +89,11 @@ GuardedMap::GuardedMap(std::uint32_t vertices, const ImageLookup& images, std::s
   }
   passing_ = links_of([&](std::uint32_t e) { return is_strong(e) || is_confirmed(e); },
                       [&](std::uint32_t e) { return is_strong(e) ? kCertain : belief(e); });
+  const double odds = way_odds(vertices, edges, options.model.most_on_the_way);
   for (std::uint32_t e = 0; e < edges.size(); ++e) {
-    verdicts_.push_back(verdict_of(beliefs.signs(e), beliefs.belief(e), options, true));
+    EdgeSigns seen = beliefs.signs(e);
+    if (is_successive(edges[e])) seen.on_the_way = odds;
+    verdicts_.push_back(verdict_of(seen, beliefs.belief(e), options, true));
   }
 }
 

@@ -13,7 +13,8 @@
 
 namespace mapweld {
 
-// Follows from the map's images and verified edges alone, however they came: no order of upload, no time. One thread.
+// Follows from the map's images and verified edges alone, however these came; the order of the images counts as far as
+// it shows in the edges (EdgeSigns::on_the_way). One thread.
 class GuardedMap {
  public:
   // Images 0 .. vertices-1; `edges`: all verified ones between them, each once. What `images` throws passes through;

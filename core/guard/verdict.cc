@@ -4,7 +4,7 @@ namespace mapweld {
 
 GuardVerdict verdict_of(const EdgeSigns& signs, double belief, const GuardOptions& options, bool is_inner) {
   GuardVerdict verdict;
-  verdict.confidence = confidence_of(belief);
+  verdict.confidence = confidence_of(belief + signs.on_the_way);
   verdict.reason = verdict.confidence >= options.min_confidence ? Reason::kNone : Reason::kUnsupported;
   verdict.evidence.signs = signs;
   verdict.evidence.parts = weigh(signs, options.model, is_inner);

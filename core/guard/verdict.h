@@ -24,7 +24,7 @@ struct GuardVerdict {
   friend bool operator==(const GuardVerdict&, const GuardVerdict&) = default;
 };
 
-// The verdict on an edge with these signs and this belief (Beliefs).
+// The verdict on an edge with these signs and this belief (Beliefs), to which EdgeSigns::on_the_way is added.
 GuardVerdict verdict_of(const EdgeSigns& signs, double belief, const GuardOptions& options, bool is_inner);
 
 }  // namespace mapweld
