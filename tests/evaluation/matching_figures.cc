@@ -1,8 +1,8 @@
 // Of the pairs that the careful matcher joins, how many we lose and where (docs/evaluation.md, "What a careful matcher
 // joins"): the votes, then the verifier by its reasons.
 //
-//   matching_figures --cache FOLDER [--places museum-region ...] [--min-votes 10]
-// Votes count equal words. FOLDER: what careful_matcher has found before. Pairs that the place's own files call wrong
+//   matching_figures --cache FOLDER [--places museum-region ...] [--min-votes 3]
+// Votes by signatures, as a merge counts them by default. FOLDER: what careful_matcher has found before. Pairs that the place's own files call wrong
 // are counted as such, and nowhere else.
 #include <algorithm>
 #include <cstdio>
@@ -59,7 +59,7 @@ Figures measure(const Place& place, const std::vector<CarefulPair>& careful, std
         ++figures.careful;
         figures.by_careful.add(i, j);
       }
-      if (pair_votes(a[i].appearances, b[j].appearances, VoteRule::kMin) < min_votes) {
+      if (pair_votes(a[i].appearances, b[j].appearances, VoteRule::kSignatures) < min_votes) {
         figures.without_votes += counts ? 1 : 0;
         continue;
       }
@@ -101,11 +101,11 @@ int run(int argc, char** argv) {
   std::string cache;
   std::vector<std::string> names;
   bool between_storeys = false;
-  std::uint32_t min_votes = 10;
+  std::uint32_t min_votes = default_min_votes(VoteRule::kSignatures);
   app.add_option("--cache", cache, "where <place>.csv are")->required()->check(CLI::ExistingDirectory);
   app.add_option("--places", names, "some of them only");
   app.add_flag("--between-storeys", between_storeys, "also pairs of look-alike storeys");
-  app.add_option("--min-votes", min_votes, "a pair is a candidate with so many equal words");
+  app.add_option("--min-votes", min_votes, "a pair is a candidate with so many votes");
   CLI11_PARSE(app, argc, argv);
   cv::setNumThreads(1);
   keep_freed_memory();
