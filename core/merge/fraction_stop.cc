@@ -30,16 +30,22 @@ std::uint64_t next_fraction_test(std::uint64_t verifications) {
   return test;
 }
 
+bool is_fraction_test(std::uint64_t verifications) {
+  return verifications > 0 && next_fraction_test(verifications - 1) == verifications;
+}
+
 StopCondition stop_at_fraction(double fraction, bool certified) {
-  const auto holds = [fraction, certified, next = std::optional<std::uint64_t>()](const Merger& merger) mutable {
+  // Between two verifications the certificate stays what it is, once all votes are in: a test that failed is not made
+  // again.
+  const auto holds = [fraction, certified, failed_at = std::uint64_t{0}](const Merger& merger) mutable {
     const std::uint64_t verifications = merger.state().verifications;
-    if (!next) next = next_fraction_test(verifications);
-    if (verifications < *next) return false;
-    next = next_fraction_test(verifications);
+    if (verifications == failed_at || !is_fraction_test(verifications)) return false;
     const std::optional<Certificate> now = certify(merger);
     if (!now) return false;
-    if (certified) return now->joinable_vertices == 0 && now->certified_fraction >= fraction;
-    return now->likely_joinable_vertices == 0 && now->estimated_fraction >= fraction;
+    const bool reached = certified ? now->joinable_vertices == 0 && now->certified_fraction >= fraction
+                                   : now->likely_joinable_vertices == 0 && now->estimated_fraction >= fraction;
+    if (!reached) failed_at = verifications;
+    return reached;
   };
   return stop_when_merger(holds, StopReason::kFractionOfMaximum);
 }

@@ -125,37 +125,115 @@ TEST(FractionOfAMerge, TheOpenCandidatesAreThoseThatAreVerifiedLater) {
   }
 }
 
-TEST(StopAtFraction, HoldsWhereItStopsAndStopsThereHoweverOftenInterrupted) {
-  int stopped = 0;
-  for (const bool certified : {true, false}) {
-    for (std::uint32_t seed = 0; seed < 9; ++seed) {
-      const MergeInput input = make_toy_merge(larger(seed, "quickconnect"));
-      const auto straight = make_merger(input);
-      const auto reason = run(*straight, stop_at_fraction(0.8, certified));
-      if (!reason) continue;
-      ++stopped;
-      EXPECT_EQ(*reason, StopReason::kFractionOfMaximum);
-      const std::optional<Certificate> now = certify(*straight);
-      EXPECT_GE(certified ? now->certified_fraction : now->estimated_fraction, 0.8);
-      // With pauses: the same place.
-      auto paused = make_merger(input);
-      for (std::uint64_t pause = 7;; pause += 33) {
-        const auto why = run(*paused, stop_at_first({stop_at_fraction(0.8, certified), stop_at_verifications(pause)}));
-        if (why != StopReason::kVerifications) break;
-        paused = make_merger(input, paused->state());
+// A merge that stops for its fraction, and where.
+struct FractionCase {
+  MergeInput input;
+  double fraction = 0;
+  bool certified = false;
+  MergeState stopped;  // uninterrupted
+};
+
+std::vector<FractionCase> stopping_cases() {
+  std::vector<FractionCase> cases;
+  for (const std::string_view method : merge_methods()) {
+    for (std::uint32_t seed = 0; seed < 2; ++seed) {
+      const MergeInput input = make_toy_merge(larger(seed, method));
+      for (const bool certified : {true, false}) {
+        for (const double fraction : {0.5, 0.8}) {
+          const auto straight = make_merger(input);
+          const auto reason = run(*straight, stop_at_fraction(fraction, certified));
+          if (!reason) continue;
+          EXPECT_EQ(*reason, StopReason::kFractionOfMaximum);
+          const Certificate now = certify(*straight).value();
+          EXPECT_GE(certified ? now.certified_fraction : now.estimated_fraction, fraction);
+          EXPECT_TRUE(is_fraction_test(straight->state().verifications));
+          cases.push_back({input, fraction, certified, straight->state()});
+        }
       }
-      EXPECT_EQ(paused->state(), straight->state()) << "seed " << seed;
     }
   }
-  EXPECT_GE(stopped, 3);
+  return cases;
+}
+
+// Goes on from `from` until the fraction stops it; first it is stopped by `interruption`, asked before the fraction or
+// after it, and made anew from its state.
+MergeState interrupted(const FractionCase& of, const MergeState& from, const StopCondition& interruption,
+                       bool interruption_first) {
+  const auto before = make_merger(of.input, from);
+  std::vector<StopCondition> conditions{stop_at_fraction(of.fraction, of.certified), interruption};
+  if (interruption_first) std::swap(conditions[0], conditions[1]);
+  if (run(*before, stop_at_first(conditions)) == StopReason::kFractionOfMaximum) return before->state();
+  const auto after = make_merger(of.input, before->state());
+  run(*after, stop_at_fraction(of.fraction, of.certified));
+  return after->state();
+}
+
+TEST(StopAtFraction, StopsWhereAnUninterruptedMergeStopsWhateverInterruptsIt) {
+  const std::vector<FractionCase> cases = stopping_cases();
+  EXPECT_GE(cases.size(), 20u);
+  for (const FractionCase& of : cases) {
+    // Every state of the merge that has made as many verifications as a test takes, one fewer, or one more.
+    const auto walked = make_merger(of.input);
+    std::uint64_t at_tests = 0;
+    for (;;) {
+      const std::uint64_t made = walked->state().verifications;
+      const bool is_at_stop = walked->state().step == of.stopped.step;
+      if (is_fraction_test(made) || is_fraction_test(made + 1) || (made > 0 && is_fraction_test(made - 1))) {
+        at_tests += is_fraction_test(made) ? 1 : 0;
+        // Killed here: a new merger goes on.
+        const auto resumed = make_merger(of.input, walked->state());
+        run(*resumed, stop_at_fraction(of.fraction, of.certified));
+        ASSERT_EQ(resumed->state(), of.stopped) << of.stopped.method << " killed at " << made;
+      }
+      if (is_at_stop) break;
+      walked->step();
+    }
+    EXPECT_GE(at_tests, 1u);
+    // Stopped by a pause and by a budget at every number of verifications, in either order of the conditions.
+    const MergeState start = make_merger(of.input)->state();
+    for (std::uint64_t test = next_fraction_test(0); test <= of.stopped.verifications;
+         test = next_fraction_test(test)) {
+      for (const std::uint64_t made : {test - 1, test, test + 1}) {
+        const auto paused =
+            stop_when_merger([made](const Merger& m) { return m.state().verifications >= made; }, StopReason::kPaused);
+        for (const StopCondition& interruption : {paused, stop_at_verifications(made)}) {
+          for (const bool first : {true, false}) {
+            ASSERT_EQ(interrupted(of, start, interruption, first), of.stopped)
+                << of.stopped.method << " stopped at " << made << (first ? " before" : " after") << " the fraction";
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(StopAtFraction, HoldsOfAMergeThatItHasStoppedAndSoDoesALowerFraction) {
+  for (const FractionCase& of : stopping_cases()) {
+    for (const double fraction : {of.fraction, of.fraction / 2}) {
+      const auto resumed = make_merger(of.input, of.stopped);
+      EXPECT_EQ(run(*resumed, stop_at_fraction(fraction, of.certified)), StopReason::kFractionOfMaximum);
+      EXPECT_EQ(resumed->state(), of.stopped);
+    }
+    // The same condition, asked again of the same merger.
+    const auto merger = make_merger(of.input);
+    const StopCondition stop = stop_at_fraction(of.fraction, of.certified);
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_EQ(run(*merger, stop), StopReason::kFractionOfMaximum);
+      EXPECT_EQ(merger->state(), of.stopped);
+    }
+  }
 }
 
 TEST(StopAtFraction, IsTestedAtFixedNumbersThatGrow) {
+  EXPECT_FALSE(is_fraction_test(0));
   std::uint64_t at = 0;
   for (int i = 0; i < 60; ++i) {
     const std::uint64_t next = next_fraction_test(at);
     ASSERT_GT(next, at);
     EXPECT_EQ(next_fraction_test(next - 1), next);
+    EXPECT_TRUE(is_fraction_test(next));
+    EXPECT_FALSE(is_fraction_test(next - 1));
+    EXPECT_FALSE(is_fraction_test(next + 1));
     EXPECT_LE(next - at, std::max<std::uint64_t>(128, at / 8 + 1));
     at = next;
   }

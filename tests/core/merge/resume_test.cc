@@ -79,9 +79,14 @@ TEST(Resume, RefusesTheStateOfAnotherMerge) {
   other = world;
   other.sizes[0] += 1;
   expect_refused(other, "a map that has grown");
-  MergeInput strict = make_toy_merge(world);
-  strict.verifier = std::make_shared<test::HashVerifier>(world.accept_share, VerifierOptions{30, 1e-6});
-  EXPECT_THROW(make_merger(strict, good), FormatError) << "another verifier";
+  const auto with_verifier = [&](const VerifierOptions& options) {
+    MergeInput input = make_toy_merge(world);
+    input.verifier = std::make_shared<test::HashVerifier>(world.accept_share, options);
+    return make_merger(input, good);
+  };
+  EXPECT_NO_THROW(with_verifier({}));
+  EXPECT_THROW(with_verifier({.min_inliers = 30}), FormatError) << "a verifier that wants more inliers";
+  EXPECT_THROW(with_verifier({.max_false_alarms = 1e-6}), FormatError) << "a verifier that takes more false alarms";
 }
 
 TEST(Resume, RefusesAStateWhosePartsDoNotFit) {

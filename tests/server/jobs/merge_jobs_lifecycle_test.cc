@@ -163,6 +163,39 @@ TEST_F(MergeJobsLifecycle, PausingOftenChangesNothing) {
   expect_uninterrupted(id);
 }
 
+// A job that stops for its fraction exactly where a budget of verifications stops it, too.
+TEST_F(MergeJobsLifecycle, AFractionIsReachedWhereItIsReachedWithoutInterruption) {
+  world_.sizes = {40, 30};
+  world_.accept_share = 0.4;
+  world_.seed = 3;
+  test::store_toy_maps(store_, world_, "c", "d");
+  verifier_ = std::make_shared<test::SlowVerifier>(world_.accept_share, std::chrono::microseconds(0));
+  jobs_.reset();
+  open();
+  const auto run_job = [this](const MergeBudget& budget, const std::string& name) {
+    MergeRequest request = test::request_of(world_, name);
+    request.maps = {"c", "d"};
+    request.budget = budget;
+    return wait(jobs_->submit(request).id);
+  };
+  MergeBudget fraction;
+  fraction.fraction_of_maximum = 0.5;
+  const MergeStatus straight = run_job(fraction, "straight");
+  ASSERT_EQ(straight.stop_reason, "fraction_of_maximum");
+  const MergeStatus resumed_at = run_job(verifications(straight.candidates.verified), "stopped");
+  ASSERT_EQ(resumed_at.stop_reason, "verifications");
+  const std::uint64_t calls = verifier_->calls;
+  for (const double lower : {0.5, 0.5, 0.1}) {
+    fraction.fraction_of_maximum = lower;
+    for (const std::int64_t id : {straight.id, resumed_at.id}) {
+      jobs_->resume(id, fraction);
+      EXPECT_EQ(wait(id).stop_reason, "fraction_of_maximum");
+      EXPECT_EQ(test::stored_state(store_, id), test::stored_state(store_, straight.id));
+    }
+  }
+  EXPECT_EQ(verifier_->calls, calls);
+}
+
 TEST_F(MergeJobsLifecycle, APausedJobKeepsTheRemainderOfItsBudget) {
   const std::int64_t id = submit(verifications(60));
   meet(id, 10);
