@@ -12,6 +12,7 @@
 #include "client/contract/json.h"
 #include "client/contract/page.h"
 #include "client/contract/problem.h"
+#include "client/contract/text.h"
 #include "server/http/message.h"
 #include "server/services/map_service.h"
 
@@ -22,7 +23,7 @@ Reply json_reply(int status, const Document& document) {
   Reply reply;
   reply.status = status;
   reply.content_type = "application/json";
-  reply.body = contract::dump(contract::Json(document));
+  reply.body = contract::to_text(document);
   return reply;
 }
 

@@ -1,4 +1,7 @@
 // The documents against the examples of docs/http-api.md: what is read and written back is the same document.
+#include <cmath>
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "client/contract/graph.h"
@@ -8,6 +11,7 @@
 #include "client/contract/page.h"
 #include "client/contract/pair.h"
 #include "client/contract/problem_document.h"
+#include "client/contract/text.h"
 #include "client/contract/vocabulary.h"
 
 namespace mapweld::contract {
@@ -19,6 +23,7 @@ void expect_round_trip(const char* text) {
   const Json document = parse_json(text);
   const T read = document.get<T>();
   EXPECT_EQ(Json(read).dump(), document.dump());
+  EXPECT_EQ(to_text(read), document.dump());
   EXPECT_EQ(Json(read).get<T>(), read);
 }
 
@@ -172,6 +177,34 @@ TEST(Documents, AnswersMaySayMoreOrLess) {
   EXPECT_EQ(map.name, "lab");
   EXPECT_EQ(map.vertices, 0);
   EXPECT_THROW(parse_json(R"({"name":5})").get<Map>(), ContractError);
+}
+
+TEST(Documents, TheTextOfADocumentIsThatOfItsJsonWhateverStandsInIt) {
+  const std::string_view bytes[] = {"",
+                                    "a.jpg",
+                                    "a \"quoted\" \\ name",
+                                    "\x01\x1f\t\n\x7f",
+                                    "Gr\xc3\xbc\xc3\x9f"
+                                    "e \xf0\x9f\xa4\x96",
+                                    "broken \xff\xc3",
+                                    "</script>"};
+  for (const std::string_view text : bytes) {
+    Map map;
+    map.name = text;
+    map.labels = {{std::string(text), "value"}, {"key", std::string(text)}};
+    map.vertices = std::numeric_limits<std::int64_t>::min();
+    map.revision = std::numeric_limits<std::int64_t>::max();
+    for (const double share : {0.0, 0.1, -1.5e300, 5e-324, std::nan("")}) {
+      map.static_share = share;
+      EXPECT_EQ(to_text(map), dump(Json(map)));
+    }
+  }
+  Page<Vertex> page;
+  EXPECT_EQ(to_text(page), dump(Json(page)));
+  page.items.resize(3);
+  page.items[1].camera = Camera{};
+  page.next_cursor = "2";
+  EXPECT_EQ(to_text(page), dump(Json(page)));
 }
 
 }  // namespace
