@@ -7,49 +7,10 @@
 
 #include "schema/blobs/evidence_blob.h"
 #include "schema/blobs/judgement_blob.h"
+#include "schema/edge_rows.h"
 
 namespace mapweld {
 namespace {
-
-constexpr std::string_view kColumns =
-    "SELECT id, u, v, votes, inliers, log10_false_alarms, confirmed, job, verifications, elapsed_s, doubt, confidence "
-    "FROM edges ";
-
-EdgeRow read_row(const sqlite::Statement& row) {
-  EdgeRow edge;
-  edge.id = row.id<EdgeId>(0);
-  edge.u = row.id<VertexId>(1);
-  edge.v = row.id<VertexId>(2);
-  edge.votes = static_cast<std::uint32_t>(row.integer(3));
-  edge.inliers = static_cast<std::uint32_t>(row.integer(4));
-  edge.log10_false_alarms = row.real(5);
-  edge.confirmed = row.integer(6) != 0;
-  edge.inter = !row.is_null(7);
-  if (edge.inter) edge.job = row.id<JobId>(7);
-  edge.verifications = static_cast<std::uint64_t>(row.integer(8));
-  edge.elapsed_s = row.real(9);
-  if (!edge.confirmed) edge.doubt = row.text(10);
-  edge.confidence = row.optional_real(11);
-  return edge;
-}
-
-// The edge as the layout numbers it; its ends keep their order, since numbers grow together.
-EdgeRow renumber(EdgeRow edge, const LayoutNode& node) {
-  edge.u = *node.number(edge.u);
-  edge.v = *node.number(edge.v);
-  return edge;
-}
-
-// Can this node have edges that pass the filter?
-bool passes(const LayoutNode& node, const EdgeFilter& filter) {
-  return !filter.inter || *filter.inter == (node.kind == MapKind::kMerged);
-}
-
-constexpr std::string_view kVisible = "map = ?1 AND v < ?2 AND inliers >= ?3 AND (?4 IS NULL OR confirmed = ?4) ";
-
-void bind_visible(sqlite::Statement& statement, const LayoutNode& node, const EdgeFilter& filter) {
-  statement.bind_all(node.map, node.watermark, filter.min_inliers, filter.confirmed);
-}
 
 // How a judgement stands in its columns.
 struct JudgementColumns {
@@ -125,46 +86,19 @@ void insert_edges(WriteTransaction& db, MapId map, std::span<const NewEdge> edge
   }
 }
 
-EdgePage list_edges(const Reader& db, const MapLayout& layout, const EdgeFilter& filter, std::size_t limit,
-                    EdgeCursor after) {
-  EdgePage page;
-  const auto& nodes = layout.nodes();
-  for (std::uint32_t n = after.node; n < nodes.size(); ++n) {
-    const LayoutNode& node = nodes[n];
-    const std::int64_t after_edge = n == after.node ? after.edge : 0;
-    if (!passes(node, filter)) continue;
-    if (page.edges.size() == limit) {
-      page.next = EdgeCursor{n, after_edge};
-      return page;
-    }
-    sqlite::Statement row =
-        db.prepare(std::string(kColumns) + "WHERE " + std::string(kVisible) + "AND id > ?5 ORDER BY id LIMIT ?6");
-    bind_visible(row, node, filter);
-    // One more than asked for tells whether there is a next page.
-    row.bind(5, after_edge).bind(6, limit - page.edges.size() + 1);
-    while (row.step()) {
-      if (page.edges.size() == limit) {
-        page.next = EdgeCursor{n, to_index(page.edges.back().id)};
-        return page;
-      }
-      page.edges.push_back(renumber(read_row(row), node));
-    }
-  }
-  return page;
-}
-
 std::vector<EdgeRow> list_merge_edges(const Reader& db, JobId job, std::size_t limit, std::optional<EdgeId> after) {
-  sqlite::Statement row = db.prepare(std::string(kColumns) + "WHERE job = ? AND id > ? ORDER BY id LIMIT ?");
+  sqlite::Statement row =
+      db.prepare(rows::select_edges("INDEXED BY edges_by_job WHERE job = ? AND id > ? ORDER BY id LIMIT ?"));
   row.bind_all(job, after.value_or(EdgeId{0}), limit);
   std::vector<EdgeRow> edges;
-  while (row.step()) edges.push_back(read_row(row));
+  while (row.step()) edges.push_back(rows::edge(row));
   return edges;
 }
 
 std::vector<NewEdge> load_merge_edges(const Reader& db, JobId job) {
   sqlite::Statement row = db.prepare(
       "SELECT u, v, votes, matches, inliers, log10_false_alarms, evidence, verifications, elapsed_s, confidence, "
-      "doubt, judgement FROM edges WHERE job = ? ORDER BY id");
+      "doubt, judgement FROM edges INDEXED BY edges_by_job WHERE job = ? ORDER BY id");
   row.bind(1, job);
   std::vector<NewEdge> edges;
   while (row.step()) {
@@ -184,94 +118,14 @@ std::vector<NewEdge> load_merge_edges(const Reader& db, JobId job) {
   return edges;
 }
 
-std::vector<Edge> load_edges(const Reader& db, const MapLayout& layout, const EdgeFilter& filter) {
-  std::vector<Edge> edges;
-  for (const LayoutNode& node : layout.nodes()) {
-    if (!passes(node, filter)) continue;
-    sqlite::Statement row =
-        db.prepare("SELECT u, v, inliers FROM edges WHERE " + std::string(kVisible) + "ORDER BY id");
-    bind_visible(row, node, filter);
-    while (row.step()) {
-      edges.push_back({*node.number(row.id<VertexId>(0)), *node.number(row.id<VertexId>(1)),
-                       static_cast<std::uint32_t>(row.integer(2))});
-    }
-  }
-  return edges;
-}
-
-std::vector<VerifiedEdge> load_verified_edges(const Reader& db, const MapLayout& layout, const EdgeFilter& filter) {
-  std::vector<VerifiedEdge> edges;
-  for (const LayoutNode& node : layout.nodes()) {
-    if (!passes(node, filter)) continue;
-    sqlite::Statement row =
-        db.prepare("SELECT u, v, evidence FROM edges WHERE " + std::string(kVisible) + "ORDER BY id");
-    bind_visible(row, node, filter);
-    while (row.step()) {
-      Verification verdict;
-      blobs::decode_evidence(row.blob(2), verdict);
-      edges.push_back(
-          {*node.number(row.id<VertexId>(0)), *node.number(row.id<VertexId>(1)), std::move(verdict.inlier_matches)});
-    }
-  }
-  return edges;
-}
-
-std::uint64_t count_edges(const Reader& db, const MapLayout& layout, const EdgeFilter& filter) {
-  std::uint64_t count = 0;
-  for (const LayoutNode& node : layout.nodes()) {
-    if (!passes(node, filter)) continue;
-    if (filter.min_inliers == 0) {
-      // Everything shows through: the map's own counters are the answer.
-      const auto map = find_map(db, node.map);
-      if (map && map->vertices == node.watermark) {
-        if (filter.confirmed != false) count += map->edges - map->unconfirmed;
-        if (filter.confirmed != true) count += map->unconfirmed;
-        continue;
-      }
-    }
-    sqlite::Statement row = db.prepare("SELECT count(*) FROM edges WHERE " + std::string(kVisible));
-    bind_visible(row, node, filter);
-    row.step();
-    count += static_cast<std::uint64_t>(row.integer(0));
-  }
-  return count;
-}
-
-std::vector<EdgeRow> list_own_edges_at(const Reader& db, MapId map, VertexId vertex) {
-  sqlite::Statement row = db.prepare(std::string(kColumns) + "WHERE map = ?1 AND u = ?2 UNION ALL " +
-                                     std::string(kColumns) + "WHERE map = ?1 AND v = ?2 ORDER BY id");
-  row.bind_all(map, vertex);
-  std::vector<EdgeRow> edges;
-  while (row.step()) edges.push_back(read_row(row));
-  return edges;
-}
-
-std::vector<EdgeRow> list_edges_at(const Reader& db, const MapLayout& layout, VertexId vertex) {
-  std::vector<EdgeRow> edges;
-  for (const LayoutNode& node : layout.nodes()) {
-    const auto own = node.node_vertex(vertex);
-    if (!own) continue;
-    for (const EdgeRow& edge : list_own_edges_at(db, node.map, *own)) {
-      if (to_index(edge.v) < node.watermark) edges.push_back(renumber(edge, node));
-    }
-  }
-  return edges;
-}
-
-std::optional<EdgeRow> find_own_edge(const Reader& db, MapId map, VertexId u, VertexId v) {
-  sqlite::Statement row = db.prepare(std::string(kColumns) + "WHERE map = ? AND u = ? AND v = ?");
-  if (!row.bind_all(map, std::min(u, v), std::max(u, v)).step()) return std::nullopt;
-  return read_row(row);
-}
-
 EdgeEvidence load_edge_evidence(const Reader& db, EdgeId edge) {
   EdgeEvidence evidence;
   {
-    sqlite::Statement row = db.prepare(std::string(kColumns) + "WHERE id = ?");
+    sqlite::Statement row = db.prepare(rows::select_edges("WHERE id = ?"));
     if (!row.bind(1, edge).step()) {
       throw std::out_of_range("there is no edge " + std::to_string(to_index(edge)));
     }
-    evidence.edge = read_row(row);
+    evidence.edge = rows::edge(row);
   }
   sqlite::Statement row = db.prepare(
       "SELECT matches, evidence, version, parameters, confidence, doubt, judgement "
@@ -319,7 +173,8 @@ bool has_unjudged_edges(const Reader& db, MapId map) {
 }
 
 std::vector<JudgedEdge> load_judgements(const Reader& db, MapId map) {
-  sqlite::Statement row = db.prepare("SELECT u, v, confidence, doubt, judgement FROM edges WHERE map = ? ORDER BY id");
+  sqlite::Statement row = db.prepare(
+      "SELECT u, v, confidence, doubt, judgement FROM edges INDEXED BY edges_in_order WHERE map = ? ORDER BY id");
   row.bind(1, map);
   std::vector<JudgedEdge> edges;
   while (row.step()) edges.push_back({row.id<VertexId>(0), row.id<VertexId>(1), read_judgement(row, 2)});

@@ -101,6 +101,11 @@ std::vector<VerifiedEdge> load_verified_edges(const Reader& db, const MapLayout&
 // How many there are.
 std::uint64_t count_edges(const Reader& db, const MapLayout& layout, const EdgeFilter& filter = {});
 
+// The degrees of the vertices first .. first+count-1 of a map, which it must have: how many confirmed edges each of
+// them has, all levels of merging.
+std::vector<std::int64_t> count_confirmed_edges_at(const Reader& db, const MapLayout& layout, VertexId first,
+                                                   std::uint32_t count);
+
 // The edges at one vertex of a plain or merged map, its own ones only, in order of insertion.
 std::vector<EdgeRow> list_own_edges_at(const Reader& db, MapId map, VertexId vertex);
 // The edges at one vertex, all levels of merging.
@@ -108,6 +113,8 @@ std::vector<EdgeRow> list_edges_at(const Reader& db, const MapLayout& layout, Ve
 
 // The edge between two vertices of one map, its own ones only.
 std::optional<EdgeRow> find_own_edge(const Reader& db, MapId map, VertexId u, VertexId v);
+// The edge between two vertices, all levels of merging: only the map in which both first come together can have it.
+std::optional<EdgeRow> find_edge(const Reader& db, const MapLayout& layout, VertexId u, VertexId v);
 
 // Everything that was stored of an edge.
 struct EdgeEvidence {

@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::string_view kColumns =
     "SELECT id, map, vertex, name, sha256, media_type, width_px, height_px, features, captured_at_us, sequence, "
-    "sequence_index, camera, reason, similar_to, inliers, uploaded_at_us, deleted_at_us, static_features, "
-    "EXISTS (SELECT 1 FROM image_bytes WHERE image = images.id) FROM images ";
+    "sequence_index, camera, reason, similar_to, inliers, uploaded_at_us, deleted_at_us, static_features "
+    "FROM images ";
 
 Reason parse_reason(std::string_view word) {
   constexpr std::array kReasons = {Reason::kNone,          Reason::kTooFewFeatures, Reason::kNoCandidate,
@@ -53,7 +53,6 @@ ImageRow read_row(const sqlite::Statement& row) {
   image.uploaded_at = rows::timestamp(row, 16);
   image.deleted_at = rows::optional_timestamp(row, 17);
   image.static_features = static_cast<int>(row.integer(18));
-  image.has_bytes = row.integer(19) != 0;
   return image;
 }
 

@@ -68,7 +68,6 @@ struct ImageRow {
   IgnoredReason ignored_reason = IgnoredReason::kTooSimilar;  // ignored: why
   Timestamp uploaded_at;
   std::optional<Timestamp> deleted_at;  // tombstone: the number stays taken
-  bool has_bytes = false;               // the uploaded bytes are kept
 };
 
 // By name, inserted or ignored: how a repeated upload is recognised.

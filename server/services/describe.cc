@@ -35,15 +35,6 @@ contract::Vertex describe_vertex(const VertexRow& row, const std::string& map, s
   return vertex;
 }
 
-std::vector<std::int64_t> degrees_of(const Reader& db, const MapLayout& layout) {
-  std::vector<std::int64_t> degrees(layout.vertices());
-  for (const Edge& edge : load_edges(db, layout, {.confirmed = true})) {
-    ++degrees[to_index(edge.u)];
-    ++degrees[to_index(edge.v)];
-  }
-  return degrees;
-}
-
 contract::IgnoredImage describe_ignored(const ImageRow& row) {
   contract::IgnoredImage image;
   image.name = row.name;

@@ -16,9 +16,6 @@ namespace mapweld::server {
 // `map`: name of the plain map that the vertex lives in.
 contract::Vertex describe_vertex(const VertexRow& row, const std::string& map, std::int64_t degree);
 
-// Confirmed edges at each vertex, by vertex: for whoever shows many of them. Reads all edges of the map.
-std::vector<std::int64_t> degrees_of(const Reader& db, const MapLayout& layout);
-
 contract::IgnoredImage describe_ignored(const ImageRow& row);
 
 contract::Edge describe_edge(const EdgeRow& row);

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "client/contract/json.h"
+#include "client/contract/text.h"
 #include "schema/edge_store.h"
 #include "schema/map_layout.h"
 #include "schema/vertex_store.h"
@@ -72,11 +72,11 @@ class Format {
 class JsonFormat final : public Format {
   std::string begin(const std::string&) override { return "{\"vertices\":["; }
   std::string vertex(const contract::Vertex& vertex, bool first) override {
-    return (first ? "" : ",\n") + contract::dump(Json(vertex));
+    return (first ? "" : ",\n") + contract::to_text(vertex);
   }
   std::string between() override { return "],\n\"edges\":["; }
   std::string edge(const contract::Edge& edge, bool first) override {
-    return (first ? "" : ",\n") + contract::dump(Json(edge));
+    return (first ? "" : ",\n") + contract::to_text(edge);
   }
   std::string end() override { return "]}\n"; }
 };
@@ -168,13 +168,16 @@ struct Source {
 };
 
 bool write_vertices(const Source& source, Format& format, const TextWriter& write) {
-  const std::vector<std::int64_t> degree = degrees_of(source.db, source.layout);
   MapNames names(source.db);
   std::optional<VertexId> last;
   while (true) {
     const std::vector<VertexRow> rows = list_vertices(source.db, source.layout, kRowsAtOnce, last);
+    if (rows.empty()) return true;
+    const std::uint32_t first = to_index(rows.front().vertex);
+    const std::vector<std::int64_t> degrees =
+        count_confirmed_edges_at(source.db, source.layout, VertexId{first}, to_index(rows.back().vertex) - first + 1);
     for (const VertexRow& row : rows) {
-      const auto vertex = describe_vertex(row, names(row.image.map), degree.at(to_index(row.vertex)));
+      const auto vertex = describe_vertex(row, names(row.image.map), degrees[to_index(row.vertex) - first]);
       if (!write(format.vertex(vertex, !last && &row == rows.data()))) return false;
     }
     if (rows.size() < kRowsAtOnce) return true;

@@ -21,12 +21,9 @@ namespace {
 
 using contract::ContractError;
 
-// Up to so many vertices, looking at the edges of each is cheaper than at all edges of the map.
-constexpr std::size_t kFewVertices = 32;
-
+// Of one vertex.
 std::int64_t degree_of(const Reader& db, const MapLayout& layout, VertexId vertex) {
-  const std::vector<EdgeRow> edges = list_edges_at(db, layout, vertex);
-  return std::ranges::count_if(edges, &EdgeRow::confirmed);
+  return count_confirmed_edges_at(db, layout, vertex, 1).front();
 }
 
 VertexRow require_vertex(const Reader& db, const MapRow& map, const MapLayout& layout, std::uint32_t vertex) {
@@ -175,13 +172,18 @@ contract::Page<contract::Vertex> MapService::vertices(const std::string& map_nam
   } else {
     rows = list_vertices(db, layout, page.limit + 1, from);
   }
+  // A page follows on from vertex to vertex; those of a name lie apart.
   std::vector<std::int64_t> degrees;
-  if (rows.size() > kFewVertices) degrees = degrees_of(db, layout);
+  if (!name && !rows.empty()) {
+    const VertexId first = rows.front().vertex;
+    degrees = count_confirmed_edges_at(db, layout, first, to_index(rows.back().vertex) - to_index(first) + 1);
+  }
   MapNames names(db);
   return make_page<contract::Page<contract::Vertex>>(
       rows, page.limit,
       [&](const VertexRow& row) {
-        const std::int64_t degree = degrees.empty() ? degree_of(db, layout, row.vertex) : degrees[to_index(row.vertex)];
+        const std::int64_t degree =
+            name ? degree_of(db, layout, row.vertex) : degrees[to_index(row.vertex) - to_index(rows.front().vertex)];
         return describe_vertex(row, names(row.image.map), degree);
       },
       [](const VertexRow& row) { return to_index(row.vertex); });

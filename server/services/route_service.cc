@@ -34,11 +34,7 @@ contract::Route find_route(Store& store, const std::string& map_name, std::uint3
   for (std::size_t i = 1; i < route->vertices.size(); ++i) {
     const VertexId u = route->vertices[i - 1];
     const VertexId v = route->vertices[i];
-    for (const EdgeRow& edge : list_edges_at(db, layout, u)) {
-      if (!edge.confirmed || (edge.u != v && edge.v != v)) continue;
-      answer.edges.push_back(describe_edge(edge));
-      break;
-    }
+    answer.edges.push_back(describe_edge(find_edge(db, layout, u, v).value()));
   }
   if (!answer.edges.empty()) answer.min_inliers = route->min_weight;
   return answer;

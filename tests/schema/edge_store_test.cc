@@ -157,6 +157,40 @@ TEST_F(EdgeStoreTest, TheEdgesAtAVertexAreThoseThatTouchIt) {
   }
 }
 
+TEST_F(EdgeStoreTest, DegreesCountTheConfirmedEdgesThatAreShown) {
+  // A merged map of a merged one, whose members have grown since, so that it has pieces of each.
+  add_vertex(b_, 9, {edge(3, 9), edge(8, 9)});
+  WriteTransaction db = store_.write();
+  const MapId c = insert_map(db, test::new_map("c", vocabulary_));
+  const MapId outer = insert_merged_map(db, test::new_map("abc", vocabulary_), std::vector{merged_, c});
+  db.commit();
+  const ReadTransaction reader = store_.read();
+  for (const MapId map : {a_, b_, merged_, outer}) {
+    const MapLayout layout = load_layout(reader, map);
+    std::vector<std::int64_t> expected(layout.vertices());
+    const std::vector<EdgeRow> all = list_edges(reader, layout, {}, 1'000).edges;
+    for (const EdgeRow& e : all) {
+      EXPECT_EQ(find_edge(reader, layout, e.v, e.u)->id, e.id);
+      if (!e.confirmed) continue;
+      ++expected[to_index(e.u)];
+      ++expected[to_index(e.v)];
+    }
+    EXPECT_TRUE(std::ranges::any_of(all, [](const EdgeRow& e) { return !e.confirmed; }));
+    for (std::uint32_t first = 0; first < layout.vertices(); ++first) {
+      for (std::uint32_t end = first; end <= layout.vertices(); ++end) {
+        EXPECT_EQ(count_confirmed_edges_at(reader, layout, VertexId{first}, end - first),
+                  std::vector(expected.begin() + first, expected.begin() + end));
+      }
+      for (std::uint32_t other = 0; other < layout.vertices(); ++other) {
+        const bool has = std::ranges::any_of(all, [&](const EdgeRow& e) {
+          return std::minmax(to_index(e.u), to_index(e.v)) == std::minmax(first, other);
+        });
+        EXPECT_EQ(find_edge(reader, layout, VertexId{first}, VertexId{other}).has_value(), has);
+      }
+    }
+  }
+}
+
 TEST_F(EdgeStoreTest, InterEdgesComeInOrderOfInsertionAsTheyStoodThen) {
   const ReadTransaction reader = store_.read();
   const auto first = list_merge_edges(reader, job_, 4);

@@ -52,7 +52,6 @@ TEST_F(VertexStoreTest, AnImageComesBackWithEverythingThatWasTold) {
     EXPECT_EQ(row->similar_to, std::nullopt);
     EXPECT_EQ(row->uploaded_at, image.uploaded_at);
     EXPECT_EQ(row->deleted_at, std::nullopt);
-    EXPECT_TRUE(row->has_bytes);
     EXPECT_EQ(load_image_bytes(reader, row->id), bytes);
   }
   EXPECT_EQ(load_appearances(reader, map_, vocabulary_, VertexId{0}), appearances);
@@ -118,7 +117,6 @@ TEST_F(VertexStoreTest, IgnoredImagesKeepTheirNameAndWhy) {
   EXPECT_EQ(first[1].inliers, 202);
   EXPECT_EQ(first[1].vertex, std::nullopt);
   EXPECT_EQ(first[1].provenance.sequence, "run-2");
-  EXPECT_FALSE(first[1].has_bytes);
   EXPECT_EQ(load_image_bytes(reader, first[1].id), std::nullopt);
   const auto rest = list_ignored(reader, map_, 10, first[1].id);
   ASSERT_EQ(rest.size(), 3U);
