@@ -17,6 +17,12 @@ std::size_t bytes_of(const AppearanceVector& vector) {
          (vector.appearances.size() + vector.static_appearances.size()) * sizeof(Appearance);
 }
 
+// What a vertex adds that comes with its vector and so many edges to earlier ones.
+std::size_t bytes_of_vertex(const AppearanceVector& vector, std::size_t edges) {
+  return bytes_of(vector) + vector.appearances.size() * kBytesPerPosting + kVertexOverhead +
+         2 * edges * sizeof(VertexId);
+}
+
 }  // namespace
 
 LoadedMap::LoadedMap(Store& store, const Reader& db, const MapRow& map)
@@ -76,8 +82,7 @@ VertexId LoadedMap::append(std::shared_ptr<const AppearanceVector> vector, std::
   index_.add(*vector);
   for (const VertexId neighbour : neighbours) links_.at(to_index(neighbour)).confirmed.push_back(added);
   links_.push_back({.confirmed = {neighbours.begin(), neighbours.end()}, .withheld = {}});
-  memory_bytes_ += bytes_of(*vector) + vector->appearances.size() * kBytesPerPosting + kVertexOverhead +
-                   2 * neighbours.size() * sizeof(VertexId);
+  memory_bytes_ += bytes_of_vertex(*vector, neighbours.size());
   vectors_.push_back(std::move(vector));
   return added;
 }
@@ -99,8 +104,11 @@ void LoadedMap::commit() { committed_ = static_cast<std::uint32_t>(vectors_.size
 void LoadedMap::rollback() {
   const std::unique_lock lock(mutex_);
   index_.truncate(committed_);
-  for (std::size_t added = committed_; added < links_.size(); ++added) {
-    for (const VertexId neighbour : links_[added].confirmed) {
+  // The last first: what is left of a vertex' links are then those that it came with.
+  for (std::size_t added = links_.size(); added-- > committed_;) {
+    const std::vector<VertexId>& neighbours = links_[added].confirmed;
+    memory_bytes_ -= bytes_of_vertex(*vectors_[added], neighbours.size());
+    for (const VertexId neighbour : neighbours) {
       std::erase(links_.at(to_index(neighbour)).confirmed, VertexId{static_cast<std::uint32_t>(added)});
     }
   }

@@ -30,7 +30,8 @@ class LoadedMap final : public LeafSource {
   // Vertices that are stored for good.
   std::uint32_t committed() const { return committed_; }
 
-  // Adds the next vertex with its edges to earlier ones; not stored yet, so readers do not look for it yet.
+  // Adds the next vertex with its edges to earlier ones; not stored yet, so readers do not look for it yet. Returns its
+  // number: another than the store is about to give says that this map is not the stored one.
   VertexId append(std::shared_ptr<const AppearanceVector> vector, std::span<const VertexId> neighbours);
   // An edge between two vertices that are stored is confirmed from now on, or no longer is.
   void set_confirmed(VertexId u, VertexId v, bool confirmed);

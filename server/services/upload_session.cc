@@ -237,7 +237,10 @@ void UploadSession::decide_one(Pending& pending, std::uint32_t vertices) {
     pending.prepared.image.vector = std::make_shared<const AppearanceVector>(std::move(pending.decision.image));
     std::vector<VertexId> neighbours;
     for (const LocalizationMatch& match : pending.decision.edges) neighbours.push_back(match.vertex);
-    if (loaded_) loaded_->append(pending.prepared.image.vector, neighbours);
+    if (loaded_ && loaded_->append(pending.prepared.image.vector, neighbours) != pending.vertex) {
+      context_.cache.forget(map_.id);  // read anew by whoever opens it next
+      throw StoreError(StoreErrorKind::kInternal, "the map in memory has other vertices than the stored one");
+    }
   }
   pending.decided_in_s = watch.elapsed_s();
   context_.metrics.stage(Stage::kVerify).record(verifier.elapsed_s());

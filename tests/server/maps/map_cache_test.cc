@@ -197,6 +197,26 @@ TEST_F(MapCacheTest, RollbackForgetsWhatWasAppended) {
   EXPECT_EQ(loaded.appearances(VertexId{5}), image);
 }
 
+TEST_F(MapCacheTest, WhatIsRolledBackIsNotCounted) {
+  LoadedMap loaded(store_, store_.read(), fill("lab", 5));
+  const std::size_t before = loaded.memory_bytes();
+  const auto image = std::make_shared<const AppearanceVector>(random_appearances(random_, kFeatures, kWords));
+  for (int failed = 0; failed < 1'000; ++failed) {
+    loaded.append(image, std::vector{VertexId{1}, VertexId{4}});
+    loaded.append(image, std::vector{VertexId{2}, VertexId{5}});
+    loaded.append(image, std::vector{VertexId{5}, VertexId{6}});
+    EXPECT_GT(loaded.memory_bytes(), before + 3 * image->appearances.size() * sizeof(Appearance));
+    loaded.rollback();
+    ASSERT_EQ(loaded.memory_bytes(), before);
+  }
+  loaded.append(image, std::vector{VertexId{1}});
+  const std::size_t with_one = loaded.memory_bytes();
+  loaded.commit();
+  loaded.append(image, std::vector{VertexId{5}});
+  loaded.rollback();
+  EXPECT_EQ(loaded.memory_bytes(), with_one);
+}
+
 TEST_F(MapCacheTest, TheGraphInMemoryFollowsWhatIsThoughtOfItsEdges) {
   const MapRow map = fill("lab", 8);
   MapCache cache(store_, 1 << 20);

@@ -444,6 +444,21 @@ TEST(ImageService, AServerThatStopsRefusesWhatIsNotYetStored) {
   EXPECT_EQ(code_of([&] { services.upload("lab", "a", photo_jpeg(1, 0)); }), "shutting_down");
 }
 
+// As after a commit that failed, and was made all the same.
+TEST(ImageService, AMapInMemoryThatIsNotTheStoredOneIsReadAnew) {
+  ServicesUnderTest services;
+  services.create_map("lab");
+  services.upload("lab", "a", photo_jpeg(1, 0));
+  const MapRow map = find_map(services.store().read(), "lab").value();
+  const auto loaded = services.cache().open(map, 500);
+  loaded->append(std::make_shared<const AppearanceVector>(), {});
+  loaded->commit();
+  EXPECT_THROW(services.upload("lab", "b", photo_jpeg(2, 0)), StoreError);
+  EXPECT_EQ(services.maps().get("lab").vertices, 1);
+  EXPECT_EQ(services.upload("lab", "b", photo_jpeg(2, 0)).upload.vertex, 1);
+  EXPECT_TRUE(check_store(services.store().read()).findings.empty());
+}
+
 TEST(ImageService, UploadsFromManySidesAllArrive) {
   ServicesUnderTest services;
   services.create_map("left");
