@@ -20,7 +20,8 @@ constexpr Meaning kMeanings[] = {
     {"fullness", "how much of the view agrees, all over it, in this edge"},
     {"inner_fullness", "how fully the maps show a place again by themselves; less than that speaks against"},
     {"nearness", "how nearly as full the edge is as the fullest of its ends: in dense maps, neighbours on the way"},
-    {"on_the_way", "how much more often than any two images successive ones verify here: a drive, and not a collection"},
+    {"on_the_way",
+     "how much more often than any two images successive ones verify here: a drive, and not a collection"},
     {"neighbours", "what edges between the same two places add"},
     {"prior", "what is asked of any edge"},
 };

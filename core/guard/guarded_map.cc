@@ -30,13 +30,13 @@ std::vector<std::vector<std::uint32_t>> verified_neighbours(std::uint32_t vertic
   return neighbours;
 }
 
-// How much more often successive images verify than any other two: the log odds that an edge between them is one because
-// they are neighbours on the way, between 0 (a collection without order) and `most`. Two images more than there are
-// speak against, so that a handful says little.
+// The log odds that an edge between successive images is one because they are neighbours on the way: how much more
+// often they verify than any other two, between 0 (a collection without order) and `most`. Two ways that are none are
+// counted with the others, so that a handful says little.
 double way_odds(std::uint32_t vertices, std::span<const VerifiedEdge> edges, double most) {
-  const auto successive = static_cast<double>(std::ranges::count_if(edges, is_successive));
-  const double pairs = vertices / 2.0 * (vertices - 1.0), ways = vertices - 1.0;
   if (vertices < 3) return 0;
+  const auto successive = static_cast<double>(std::ranges::count_if(edges, is_successive));
+  const double ways = vertices - 1.0, pairs = vertices / 2.0 * ways;
   const double rate = successive / (ways + 2);
   const double others = (static_cast<double>(edges.size()) - successive + 1) / (pairs - ways + 1);
   return rate > others ? std::clamp(portable_log((rate - others) / others), 0.0, most) : 0;

@@ -2,8 +2,8 @@
 // joins"): the votes, then the verifier by its reasons.
 //
 //   matching_figures --cache FOLDER [--places museum-region ...] [--min-votes 3]
-// Votes by signatures, as a merge counts them by default. FOLDER: what careful_matcher has found before. Pairs that the place's own files call wrong
-// are counted as such, and nowhere else.
+// Votes by signatures, as a merge counts them by default. FOLDER: what careful_matcher has found before. Pairs that the
+// place's own files call wrong are counted as such, and nowhere else.
 #include <algorithm>
 #include <cstdio>
 #include <iostream>

@@ -95,7 +95,7 @@ TEST(GuardedMap, SuccessiveViewsAreNeighboursWhereTheWayShowsInTheEdges) {
   for (std::uint32_t v = 1; v < kEach; ++v) drive.join(v - 1, v, 0, 28);  // faint: a turn on the spot
   for (std::uint32_t v = 0; v < kEach; ++v) collection.join(v, kEach + v * 7 % kEach, 0, 28);
   collection.join(3, 4, 0, 28);  // as it happens
-  drive.join(4, 40, 0, 28);  // as faint, and not on the way
+  drive.join(4, 40, 0, 28);      // as faint, and not on the way
   const auto driven = drive.map(drive.edges).verdicts(), collected = collection.map(collection.edges).verdicts();
   for (std::size_t e = 0; e < driven.size(); ++e) {
     EXPECT_EQ(driven[e].evidence.signs.on_the_way > 3, e + 1 < driven.size()) << e;
