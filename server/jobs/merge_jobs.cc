@@ -1,7 +1,6 @@
 #include "server/jobs/merge_jobs.h"
 
 #include <algorithm>
-#include <charconv>
 #include <condition_variable>
 #include <deque>
 #include <map>
@@ -9,9 +8,9 @@
 #include <thread>
 #include <utility>
 
-#include "schema/edge_store.h"
 #include "schema/map_store.h"
 #include "server/jobs/merge_job_rows.h"
+#include "server/jobs/merge_pages.h"
 #include "server/jobs/merge_run.h"
 #include "server/jobs/merge_submission.h"
 #include "server/jobs/pool_executor.h"
@@ -33,26 +32,6 @@ MergeRow require_merge(const Reader& db, JobId job) {
 [[noreturn]] void refuse_state(const MergeRow& row, const std::string& wish) {
   throw MergeJobError("wrong_state", "Merge " + std::to_string(to_index(row.id)) + " is " +
                                          std::string(to_string(row.state)) + " and cannot be " + wish + ".");
-}
-
-std::optional<std::int64_t> parse_cursor(const std::optional<std::string>& cursor) {
-  if (!cursor) return std::nullopt;
-  std::int64_t number = 0;
-  const char* const end = cursor->data() + cursor->size();
-  const auto [stop, error] = std::from_chars(cursor->data(), end, number);
-  if (error != std::errc{} || stop != end || number < 0) {
-    throw MergeJobError("invalid_parameter", "\"cursor\" is not one that a page gave.");
-  }
-  return number;
-}
-
-// `rows` has been read one row further than the page goes.
-template <typename Item, typename Row, typename Describe, typename Number>
-Page<Item> make_page(const std::vector<Row>& rows, std::size_t limit, const Describe& describe, const Number& number) {
-  Page<Item> page;
-  for (std::size_t i = 0; i < std::min(limit, rows.size()); ++i) page.items.push_back(describe(rows[i]));
-  if (rows.size() > limit && limit > 0) page.next = std::to_string(number(rows[limit - 1]));
-  return page;
 }
 
 }  // namespace
@@ -286,45 +265,18 @@ Page<MergeStatus> MergeJobs::list(std::optional<JobState> state, std::size_t lim
 
 Page<MergeCurvePoint> MergeJobs::curve(std::int64_t id, std::size_t limit,
                                        const std::optional<std::string>& after) const {
-  std::optional<std::uint64_t> from;
-  if (const auto number = parse_cursor(after)) from = static_cast<std::uint64_t>(*number);
+  const auto from = parse_cursor(after);
   const ReadTransaction db = impl_->store_.read();
   require_merge(db, JobId{id});
-  const auto describe = [](const CurvePointRow& row) -> MergeCurvePoint {
-    return {.step = row.step,
-            .elapsed_s = row.elapsed_s,
-            .verifications = row.verifications,
-            .edges = row.edges,
-            .confirmed_edges = row.confirmed,
-            .components = row.components,
-            .algebraic_connectivity = row.algebraic_connectivity,
-            .largest_component = {row.largest_vertices, row.largest_algebraic_connectivity},
-            .certified_fraction = row.certified_fraction,
-            .phase = row.phase};
-  };
-  return make_page<MergeCurvePoint>(list_curve(db, JobId{id}, limit + 1, from), limit, describe,
-                                    [](const CurvePointRow& row) { return row.step; });
+  return curve_page(db, JobId{id}, limit, from);
 }
 
 Page<MergeEdgePoint> MergeJobs::edges(std::int64_t id, std::size_t limit,
                                       const std::optional<std::string>& after) const {
-  std::optional<EdgeId> from;
-  if (const auto number = parse_cursor(after)) from = EdgeId{*number};
+  const auto from = parse_cursor(after);
   const ReadTransaction db = impl_->store_.read();
   require_merge(db, JobId{id});
-  const auto describe = [](const EdgeRow& row) -> MergeEdgePoint {
-    return {.u = row.u,
-            .v = row.v,
-            .votes = row.votes,
-            .inliers = row.inliers,
-            .verifications = row.verifications,
-            .elapsed_s = row.elapsed_s,
-            .confirmed = row.confirmed,
-            .confidence = row.confidence,
-            .doubt = row.doubt};
-  };
-  return make_page<MergeEdgePoint>(list_merge_edges(db, JobId{id}, limit + 1, from), limit, describe,
-                                   [](const EdgeRow& row) { return to_index(row.id); });
+  return edge_page(db, JobId{id}, limit, from);
 }
 
 MergeStatus MergeJobs::pause(std::int64_t id) {
