@@ -7,15 +7,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
-#include <iostream>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <opencv2/core/utility.hpp>
 
-#include "core/feature/allocation.h"
 #include "tests/evaluation/careful_pairs.h"
+#include "tests/evaluation/tool_main.h"
 
 namespace mapweld::evaluation {
 namespace {
@@ -48,8 +46,6 @@ int run(int argc, char** argv) {
   app.add_option("--threads", threads, "change no figure")->check(CLI::PositiveNumber);
   app.add_option("--max-distance-px", options.max_distance_px, "from the epipolar line");
   CLI11_PARSE(app, argc, argv);
-  cv::setNumThreads(1);
-  keep_freed_memory();
   std::printf("| place | images | joined | known right | known wrong | s |\n|---|---|---|---|---|---|\n");
   for (const Place& place : places(between_storeys)) {
     if (!names.empty() && std::ranges::find(names, place.name) == names.end()) continue;
@@ -69,10 +65,5 @@ int run(int argc, char** argv) {
 }  // namespace mapweld::evaluation
 
 int main(int argc, char** argv) {
-  try {
-    return mapweld::evaluation::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "careful_matcher: " << error.what() << "\n";
-    return 1;
-  }
+  return mapweld::evaluation::tool_main("careful_matcher", mapweld::evaluation::run, argc, argv);
 }

@@ -6,7 +6,6 @@
 // place's own files call wrong are counted as such, and nowhere else.
 #include <algorithm>
 #include <cstdio>
-#include <iostream>
 #include <map>
 #include <set>
 #include <string>
@@ -14,13 +13,12 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <opencv2/core/utility.hpp>
 
-#include "core/feature/allocation.h"
 #include "core/geometry/epipolar_verifier.h"
 #include "core/retrieval/voting.h"
 #include "tests/core/geometry/photographs.h"
 #include "tests/evaluation/careful_pairs.h"
+#include "tests/evaluation/tool_main.h"
 
 namespace mapweld::evaluation {
 namespace {
@@ -107,8 +105,6 @@ int run(int argc, char** argv) {
   app.add_flag("--between-storeys", between_storeys, "also pairs of look-alike storeys");
   app.add_option("--min-votes", min_votes, "a pair is a candidate with so many votes");
   CLI11_PARSE(app, argc, argv);
-  cv::setNumThreads(1);
-  keep_freed_memory();
   std::printf(
       "| place | careful | lost: votes | too few features | too few inliers | not significant | inconsistent | "
       "verified "
@@ -127,10 +123,5 @@ int run(int argc, char** argv) {
 }  // namespace mapweld::evaluation
 
 int main(int argc, char** argv) {
-  try {
-    return mapweld::evaluation::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "matching_figures: " << error.what() << "\n";
-    return 1;
-  }
+  return mapweld::evaluation::tool_main("matching_figures", mapweld::evaluation::run, argc, argv);
 }

@@ -10,7 +10,6 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <iostream>
 #include <iterator>
 #include <list>
 #include <map>
@@ -21,9 +20,7 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <opencv2/core/utility.hpp>
 
-#include "core/feature/allocation.h"
 #include "core/feature/decode.h"
 #include "core/feature/extractor.h"
 #include "core/geometry/epipolar_verifier.h"
@@ -33,6 +30,7 @@
 #include "core/vocabulary/vocabulary.h"
 #include "tests/core/mapping/scene_map.h"
 #include "tests/evaluation/careful_pairs.h"
+#include "tests/evaluation/tool_main.h"
 
 namespace mapweld::evaluation {
 namespace {
@@ -233,8 +231,6 @@ int run(int argc, char** argv) {
   app.add_flag("--candidates-only", without_localization);
   app.add_option("--threads", threads, "change no figure")->check(CLI::PositiveNumber);
   CLI11_PARSE(app, argc, argv);
-  cv::setNumThreads(1);
-  keep_freed_memory();
   std::vector<VoteRule> rules;
   for (const std::string& name : rule_names) rules.push_back(*parse_vote_rule(name));
   const auto vocabulary = Vocabulary::deserialize(read(MAPWELD_SOURCE_DIR "/vocabularies/indoor-50k.mwv"));
@@ -268,10 +264,5 @@ int run(int argc, char** argv) {
 }  // namespace mapweld::evaluation
 
 int main(int argc, char** argv) {
-  try {
-    return mapweld::evaluation::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "vote_figures: " << error.what() << "\n";
-    return 1;
-  }
+  return mapweld::evaluation::tool_main("vote_figures", mapweld::evaluation::run, argc, argv);
 }

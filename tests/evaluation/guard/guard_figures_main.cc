@@ -11,19 +11,17 @@
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
-#include <iostream>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <opencv2/core/utility.hpp>
 
-#include "core/feature/allocation.h"
 #include "tests/evaluation/guard/guard_tables.h"
 #include "tests/evaluation/guard/merge_order.h"
 #include "tests/evaluation/guard/reliability.h"
+#include "tests/evaluation/tool_main.h"
 
 namespace mapweld::evaluation {
 namespace {
@@ -114,8 +112,6 @@ int run(int argc, char** argv) {
   app.add_flag("--only-cached", asked.only_cached, "leaves out what is not in the cache yet");
   CLI11_PARSE(app, argc, argv);
   if (asked.rendered && asked.seeds.empty()) throw std::invalid_argument("--rendered needs --seeds");
-  cv::setNumThreads(1);
-  keep_freed_memory();
   const auto cases = chosen_cases(asked);
   asked.prefixes > 0 ? prefixes(asked, cases) : figures(asked, cases);
   return 0;
@@ -125,10 +121,5 @@ int run(int argc, char** argv) {
 }  // namespace mapweld::evaluation
 
 int main(int argc, char** argv) {
-  try {
-    return mapweld::evaluation::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "guard_figures: " << error.what() << "\n";
-    return 1;
-  }
+  return mapweld::evaluation::tool_main("guard_figures", mapweld::evaluation::run, argc, argv);
 }

@@ -2,10 +2,9 @@
 //
 //   guard_fit --cache FOLDER
 //   guard_fit --cache FOLDER --fit museum-region twin-2 --test office-two-rings
-// Shapes that are no weights (half_tested, full, dense) are taken as given.
+// Shapes that are no weights (half_tested, common_floor, usual_similarity, full, dense, near_view) are taken as given.
 #include <algorithm>
 #include <cstdio>
-#include <iostream>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -13,11 +12,10 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <opencv2/core/utility.hpp>
 
-#include "core/feature/allocation.h"
 #include "tests/evaluation/guard/guard_counts.h"
 #include "tests/evaluation/guard/logistic_fit.h"
+#include "tests/evaluation/tool_main.h"
 
 namespace mapweld::evaluation {
 namespace {
@@ -75,16 +73,16 @@ std::vector<Observation> both(std::vector<Observation> one, const std::vector<Ob
 EvidenceModel fitted(const std::vector<Observation>& seen, const Asked& asked) {
   EvidenceModel unit = asked.shape;
   unit.prior = unit.inner_prior = 0;
-  unit.rarity = unit.fullness = unit.shortfall = 1;
+  unit.rarity = unit.fullness = unit.shortfall = unit.nearness = 1;
   std::map<std::pair<std::string, bool>, double> count;
   for (const Observation& o : seen) count[{o.group, o.is_right}] += 1;
   const auto n = static_cast<Eigen::Index>(seen.size());
-  Eigen::MatrixXd x(n, 5);
+  Eigen::MatrixXd x(n, 6);
   Eigen::VectorXd y(n), weight(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     const Observation& o = seen[static_cast<std::size_t>(i)];
     const EvidenceParts parts = weigh(o.signs, unit, o.is_inner);
-    x.row(i) << 1, o.is_inner ? 1 : 0, parts.rarity, parts.fullness, parts.shortfall;
+    x.row(i) << 1, o.is_inner ? 1 : 0, parts.rarity, parts.fullness, parts.shortfall, parts.nearness;
     y[i] = o.is_right ? 1 : 0;
     weight[i] = std::min(1.0, asked.most_a_group / count[{o.group, o.is_right}]);
   }
@@ -95,13 +93,13 @@ EvidenceModel fitted(const std::vector<Observation>& seen, const Asked& asked) {
   model.rarity = w[2];
   model.fullness = w[3];
   model.shortfall = w[4];
+  model.nearness = w[5];
   return model;
 }
 
 void print_model(const char* title, const EvidenceModel& m) {
-  std::printf(
-      "%s: prior %.2f, inside %.2f, rarity %.2f, fullness %.2f, shortfall %.2f (half_tested %g, full %g, dense %g)\n",
-      title, m.prior, m.inner_prior, m.rarity, m.fullness, m.shortfall, m.half_tested, m.full, m.dense);
+  std::printf("%s: prior %.2f, inside %.2f, rarity %.2f, fullness %.2f, shortfall %.2f, nearness %.2f\n", title,
+              m.prior, m.inner_prior, m.rarity, m.fullness, m.shortfall, m.nearness);
 }
 
 // The chance that a right edge is above a wrong one.
@@ -163,8 +161,6 @@ int run(int argc, char** argv) {
   app.add_option("--dense", asked.shape.dense, "EvidenceModel");
   app.add_option("--threads", asked.threads, "for making merges; change no figure")->check(CLI::PositiveNumber);
   CLI11_PARSE(app, argc, argv);
-  cv::setNumThreads(1);
-  keep_freed_memory();
   const auto fit = both(observations(asked, asked.fit, false), observations(asked, asked.fit_inner, true));
   const auto test = both(observations(asked, asked.test, false), observations(asked, asked.test_inner, true));
   const EvidenceModel half = fitted(fit, asked), whole = fitted(both(fit, test), asked);
@@ -181,10 +177,5 @@ int run(int argc, char** argv) {
 }  // namespace mapweld::evaluation
 
 int main(int argc, char** argv) {
-  try {
-    return mapweld::evaluation::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "guard_fit: " << error.what() << "\n";
-    return 1;
-  }
+  return mapweld::evaluation::tool_main("guard_fit", mapweld::evaluation::run, argc, argv);
 }
