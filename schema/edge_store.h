@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/guard/guard_evidence.h"
-#include "core/merge/verified_edge.h"
+#include "core/guard/verified_edge.h"
 #include "core/types.h"
 #include "schema/map_layout.h"
 #include "schema/store.h"

@@ -4,7 +4,7 @@
 #include "server/commands/check.h"
 #include "server/commands/evaluate.h"
 #include "server/commands/serve.h"
-#include "server/commands/train.h"
+#include "server/training/train.h"
 #include "server/version.h"
 
 int main(int argc, char** argv) {

@@ -15,8 +15,7 @@ class PseudoInverse {
   Eigen::Index rows() const { return vertices_; }
   Eigen::Index cols() const { return vertices_; }
   void perform_op(const double* x_in, double* y_out) const {
-    Eigen::Map<Eigen::VectorXd>(y_out, vertices_) =
-        solver_.solve(Eigen::Map<const Eigen::VectorXd>(x_in, vertices_));
+    Eigen::Map<Eigen::VectorXd>(y_out, vertices_) = solver_.solve(Eigen::Map<const Eigen::VectorXd>(x_in, vertices_));
   }
 
  private:

@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "core/guard/verdict.h"
+#include "core/guard/verified_edge.h"
 #include "core/merge/merge_input.h"
 #include "core/merge/merge_state.h"
-#include "core/merge/verified_edge.h"
 #include "core/types.h"
 
 namespace mapweld {

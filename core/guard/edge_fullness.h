@@ -1,7 +1,7 @@
 // How fully two images show one view.
 #pragma once
 
-#include "core/merge/verified_edge.h"
+#include "core/guard/verified_edge.h"
 #include "core/types.h"
 
 namespace mapweld {

@@ -9,7 +9,7 @@
 #include "core/guard/links.h"
 #include "core/guard/own_rarity.h"
 #include "core/guard/verdict.h"
-#include "core/merge/verified_edge.h"
+#include "core/guard/verified_edge.h"
 
 namespace mapweld {
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "core/merge/verified_edge.h"
+#include "core/guard/verified_edge.h"
 #include "core/types.h"
 
 namespace mapweld {

@@ -72,7 +72,7 @@ struct MergeState {
   std::uint64_t step = 0;              // transitions made
   std::uint64_t verifications = 0;     // candidates with a verdict = edges + rejected
   std::uint64_t candidates_known = 0;  // pairs that have reached min_votes
-  std::uint64_t random = 0;            // state of core/merge/random.h
+  std::uint64_t random = 0;            // state of core/random.h
   // So many of `edges` and `rejected`, from the front, were there before the maps grew.
   std::uint64_t inherited_edges = 0;
   std::uint64_t inherited_rejected = 0;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "core/merge/fingerprint.h"
+#include "core/fingerprint.h"
 #include "core/retrieval/word_voter.h"
 
 namespace mapweld {

@@ -7,11 +7,11 @@
 //
 // part           changes           content
 // "state"        always            method (length, bytes); input_fingerprint, rules_fingerprint (u64 little-endian);
-//                                  vertices; phase (byte); step; verifications; candidates_known; random (u64 little-endian);
-//                                  inherited_edges; inherited_rejected; pair; words_processed; word_in_hand + 1 (0:
-//                                  none); word_next_row; pending: count, next, candidates; number of postponed
-//                                  candidates, next; next_row; attempts; drawn: count, numbers; number of edges; number
-//                                  of rejected pairs
+//                                  vertices; phase (byte); step; verifications; candidates_known; random (u64
+//                                  little-endian); inherited_edges; inherited_rejected; pair; words_processed;
+//                                  word_in_hand + 1 (0: none); word_next_row; pending: count, next, candidates; number
+//                                  of postponed candidates, next; next_row; attempts; drawn: count, numbers; number of
+//                                  edges; number of rejected pairs
 // "similarity"   voting,           is_sparse (byte); rows; columns; sparse only: rows kept so far, then for each row
 // the
 //                exploration       number of its cells and each cell's column as distance from the one before; then

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/guard/verified_edge.h"
 #include "core/merge/merge_input.h"
-#include "core/merge/verified_edge.h"
 #include "server/evaluation/curves.h"
 #include "server/evaluation/recorded_run.h"
 #include "server/evaluation/summary.h"

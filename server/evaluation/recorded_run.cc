@@ -4,7 +4,7 @@
 #include <ctime>
 #include <utility>
 
-#include "core/merge/merger.h"
+#include "core/merge/make_merger.h"
 
 namespace mapweld::server::evaluation {
 namespace {

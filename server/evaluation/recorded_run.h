@@ -11,6 +11,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "core/merge/make_merger.h"
 #include "core/merge/merge_input.h"
 #include "core/merge/merge_state.h"
 #include "core/types.h"

@@ -6,7 +6,6 @@
 
 #include "core/errors.h"
 #include "schema/store_error.h"
-#include "server/jobs/merge_jobs.h"
 
 namespace mapweld::server {
 namespace {
@@ -34,9 +33,7 @@ Verdict verdict_on(const std::exception_ptr& error, const std::string& request_i
     std::rethrow_exception(error);
   } catch (const contract::ContractError& e) {
     return {e.code(), e.detail()};
-  } catch (const ImageError& e) {
-    return {Code::find(e.code()), e.what()};
-  } catch (const MergeJobError& e) {
+  } catch (const CodedError& e) {
     return {Code::find(e.code()), e.what()};
   } catch (const StoreError& e) {
     spdlog::error("request {}: store: {}: {}", request_id, to_string(e.kind()), e.what());

@@ -9,7 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/merge/fraction_stop.h"
+#include "core/merge/certificate/fraction_stop.h"
+#include "core/merge/make_merger.h"
 #include "core/merge/run.h"
 #include "schema/blobs/merge_state_blob.h"
 #include "schema/merge_store.h"

@@ -5,7 +5,7 @@
 #include <span>
 #include <utility>
 
-#include "core/merge/fraction_stop.h"
+#include "core/merge/certificate/fraction_stop.h"
 
 namespace mapweld::server {
 

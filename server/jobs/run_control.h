@@ -24,7 +24,7 @@ enum class RunCommand : std::uint8_t {
   kAbandon,  // the job is gone: write nothing more
 };
 
-// How much of what a merge can still reach it has reached (core/merge/certificate.h).
+// How much of what a merge can still reach it has reached (core/merge/certificate/certificate.h).
 struct Certified {
   double certified_fraction = 0;
   double estimated_fraction = 0;

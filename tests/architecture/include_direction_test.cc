@@ -1,8 +1,6 @@
 // Includes run one way: schema -> core; server -> schema, core, the client's contract and what it draws figures with;
 // client -> no sibling.
 // And core is pure: no SQL, HTTP, JSON, clock or file.
-#include <gtest/gtest.h>
-
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -12,6 +10,8 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 namespace {
 
@@ -70,9 +70,9 @@ TEST(IncludeDirection, NoArrowRunsBack) {
 }
 
 TEST(IncludeDirection, CoreIsPure) {
-  const std::set<std::string> impure = {"sqlite3.h", "httplib.h", "chrono",  "ctime",    "time.h",      "fstream",
-                                        "cstdio",    "stdio.h",   "iostream", "filesystem", "unistd.h", "fcntl.h",
-                                        "sys/time.h", "sys/stat.h", "sys/mman.h"};
+  const std::set<std::string> impure = {"sqlite3.h", "httplib.h", "chrono",     "ctime",      "time.h",
+                                        "fstream",   "cstdio",    "stdio.h",    "iostream",   "filesystem",
+                                        "unistd.h",  "fcntl.h",   "sys/time.h", "sys/stat.h", "sys/mman.h"};
   // FLANN saves an index to a FILE* and nothing else (here: a stream over memory); the headers of libjpeg and libpng
   // need the name FILE declared. No file is opened.
   const std::set<std::pair<std::string, std::string>> excused = {{"core/vocabulary/flann_index.cc", "cstdio"},

@@ -23,8 +23,9 @@
 
 #include "core/geometry/epipolar_verifier.h"
 #include "core/graph/algebraic_connectivity.h"
-#include "core/merge/alignment.h"
+#include "core/merge/make_merger.h"
 #include "core/merge/merge_metrics.h"
+#include "core/merge/methods/alignment.h"
 #include "core/merge/run.h"
 #include "core/merge/vote_source.h"
 #include "schema/edge_store.h"

@@ -7,7 +7,7 @@
 #include "core/graph/approximate_cholesky.h"
 #include "core/graph/fiedler_iteration.h"
 #include "core/graph/sparsify.h"
-#include "core/merge/certificate.h"
+#include "core/merge/certificate/certificate.h"
 #include "core/merge/merge_input.h"
 #include "core/merge/merge_metrics.h"
 #include "tests/core/graph/sample_graphs.h"

@@ -11,7 +11,8 @@
 #include "core/geometry/epipolar_verifier.h"
 #include "core/graph/algebraic_connectivity.h"
 #include "core/graph/components.h"
-#include "core/merge/fraction_stop.h"
+#include "core/merge/certificate/fraction_stop.h"
+#include "core/merge/make_merger.h"
 #include "core/merge/run.h"
 #include "tests/benchmark/stored_pair.h"
 

@@ -7,10 +7,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <opencv2/core/utility.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
+
+#include <opencv2/core/utility.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include "core/feature/allocation.h"
 #include "server/maps/map_cache.h"

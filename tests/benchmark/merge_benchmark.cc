@@ -10,11 +10,12 @@
 #include <benchmark/benchmark.h>
 #include <unistd.h>
 
+#include "core/merge/make_merger.h"
 #include "core/merge/merge_metrics.h"
-#include "core/merge/quick_connect.h"
-#include "core/merge/random.h"
+#include "core/merge/methods/quick_connect.h"
 #include "core/merge/run.h"
 #include "core/merge/vote_source.h"
+#include "core/random.h"
 #include "core/retrieval/word_voter.h"
 #include "schema/blobs/merge_state_blob.h"
 #include "tests/core/merge/toy_maps.h"

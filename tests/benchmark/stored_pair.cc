@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/fingerprint.h"
 #include "core/geometry/portable_math.h"
-#include "core/merge/fingerprint.h"
 #include "schema/map_store.h"
 #include "schema/store.h"
 #include "schema/vertex_store.h"

@@ -11,7 +11,7 @@
 #include "core/geometry/epipolar_verifier.h"
 #include "core/graph/algebraic_connectivity.h"
 #include "core/graph/components.h"
-#include "core/merge/merger.h"
+#include "core/merge/make_merger.h"
 #include "core/merge/run.h"
 #include "core/merge/vote_source.h"
 #include "tests/benchmark/stored_pair.h"

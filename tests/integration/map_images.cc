@@ -1,14 +1,14 @@
 #include "tests/integration/map_images.h"
 
-#include <gtest/gtest.h>
-
 #include <chrono>
 #include <cstdlib>
 #include <map>
 #include <mutex>
-#include <opencv2/imgcodecs.hpp>
 #include <thread>
 #include <tuple>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
 
 #include "client/upload.h"
 #include "tests/support/rendered_world.h"

@@ -26,8 +26,8 @@ const RobotPair& rendered_pair(int n_images_a, int n_images_b, std::uint64_t see
 std::optional<std::filesystem::path> photographs(const std::string& data_set);
 
 // Skips the test, by name, where the photographs of a data set are not there; else names their folder.
-#define MAPWELD_REQUIRE_PHOTOGRAPHS(variable, data_set)                                                     \
-  const auto variable##_optional = ::mapweld::testing::photographs(data_set);                               \
+#define MAPWELD_REQUIRE_PHOTOGRAPHS(variable, data_set)                                                        \
+  const auto variable##_optional = ::mapweld::testing::photographs(data_set);                                  \
   if (!variable##_optional) GTEST_SKIP() << "photographs of " << data_set << " are not here (MAPWELD_PHOTOS)"; \
   const std::filesystem::path variable = *variable##_optional
 
@@ -36,7 +36,8 @@ void upload(client::Client& client, const std::string& map, const Images& images
             std::optional<contract::MapParameters> parameters = {});
 
 // Creates `map` from a folder, as `mapweld upload` does.
-void upload_folder(client::Client& client, const std::string& map, const std::filesystem::path& folder, int threads = 2);
+void upload_folder(client::Client& client, const std::string& map, const std::filesystem::path& folder,
+                   int threads = 2);
 
 // Waits until the merge is at rest, asking every few milliseconds; fails the test after `timeout_s`.
 contract::Merge wait_for(client::Client& client, std::int64_t merge, double timeout_s = 120);

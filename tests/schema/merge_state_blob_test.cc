@@ -7,7 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/merge/quick_connect.h"
+#include "core/merge/make_merger.h"
+#include "core/merge/methods/quick_connect.h"
 #include "core/merge/run.h"
 #include "tests/core/merge/toy_maps.h"
 

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "core/geometry/pair_verifier.h"
+#include "core/guard/verified_edge.h"
 #include "core/mapping/localizer.h"
 #include "core/merge/merge_input.h"
 #include "core/merge/merge_state.h"
-#include "core/merge/verified_edge.h"
 #include "core/vocabulary/vocabulary.h"
 #include "tests/support/overlays.h"
 #include "tests/support/rendered_world.h"

@@ -1,7 +1,5 @@
 #include "core/graph/route.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <functional>
@@ -10,6 +8,8 @@
 #include <stdexcept>
 #include <utility>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 namespace mapweld {
 namespace {

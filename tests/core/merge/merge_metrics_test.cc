@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/graph/components.h"
+#include "core/merge/make_merger.h"
 #include "core/merge/run.h"
 #include "tests/core/graph/laplacian_oracle.h"
 #include "tests/core/merge/toy_maps.h"

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/merge/make_merger.h"
 #include "tests/core/merge/toy_maps.h"
 
 namespace mapweld {

@@ -8,8 +8,9 @@
 
 #include "core/errors.h"
 #include "core/merge/executor.h"
+#include "core/merge/make_merger.h"
+#include "core/merge/methods/verification_ahead.h"
 #include "core/merge/run.h"
-#include "core/merge/verification_ahead.h"
 #include "core/merge/vote_source.h"
 #include "tests/core/merge/toy_maps.h"
 #include "tests/core/merge/verdict_log.h"

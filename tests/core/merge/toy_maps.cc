@@ -4,7 +4,7 @@
 #include <random>
 #include <utility>
 
-#include "core/merge/random.h"
+#include "core/random.h"
 #include "tests/core/retrieval/random_images.h"
 
 namespace mapweld::test {

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/merge/merger.h"
+#include "core/merge/make_merger.h"
 
 namespace mapweld::evaluation {
 namespace {

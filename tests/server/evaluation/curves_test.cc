@@ -10,7 +10,7 @@
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
-#include "core/merge/merger.h"
+#include "core/merge/make_merger.h"
 #include "tests/core/merge/toy_maps.h"
 
 namespace mapweld::server::evaluation {

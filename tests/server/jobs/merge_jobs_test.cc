@@ -7,6 +7,7 @@
 
 #include "core/graph/components.h"
 #include "core/guard/alias_guard.h"
+#include "core/merge/make_merger.h"
 #include "core/merge/merge_metrics.h"
 #include "core/merge/run.h"
 #include "schema/edge_store.h"

@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/merge/make_merger.h"
 #include "core/merge/run.h"
 #include "schema/blobs/merge_state_blob.h"
 #include "schema/edge_store.h"

@@ -1,4 +1,4 @@
-#include "server/commands/train.h"
+#include "server/training/train.h"
 
 #include <filesystem>
 #include <optional>
@@ -14,8 +14,8 @@
 #include "core/feature/decode.h"
 #include "core/feature/extractor.h"
 #include "core/vocabulary/vocabulary.h"
-#include "server/commands/descriptor_file.h"
-#include "server/commands/training.h"
+#include "server/training/descriptor_file.h"
+#include "server/training/training.h"
 #include "tests/core/feature/image_files.h"
 #include "tests/core/vocabulary/descriptor_sets.h"
 

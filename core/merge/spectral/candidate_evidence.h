@@ -1,0 +1,58 @@
+// What the votes and the verdicts so far tell about each candidate of a pair of maps.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/merge/spectral/pass_model.h"
+
+namespace mapweld {
+
+// Candidates are cells of S, numbered in order of (row, column). Everything that verdicts change is a sum of counts, so
+// that it does not depend on their order.
+class CandidateEvidence {
+ public:
+  struct Cell {
+    std::uint32_t row = 0;
+    std::uint32_t column = 0;
+    std::uint32_t votes = 0;
+  };
+  enum class Verdict : std::uint8_t { kNone, kPassed, kFailed };
+  // Images so far apart along the sequence, at most, are neighbours.
+  static constexpr std::uint32_t kWindow = 2;
+
+  // `cells`: ascending by (row, column), each once.
+  CandidateEvidence(std::uint32_t rows, std::uint32_t columns, std::vector<Cell> cells);
+
+  std::uint32_t size() const { return static_cast<std::uint32_t>(cells_.size()); }
+  const Cell& cell(std::uint32_t candidate) const { return cells_[candidate]; }
+  Verdict verdict(std::uint32_t candidate) const { return verdicts_[candidate]; }
+  // The number of the candidate in a cell; size() when there is none.
+  std::uint32_t find(std::uint32_t row, std::uint32_t column) const;
+
+  // Takes note of a verdict, the only one on this candidate.
+  void note(std::uint32_t candidate, bool passed);
+
+  // As the verdicts on the other candidates have it now.
+  PassFeatures features(std::uint32_t candidate) const;
+  // Verdicts by cell of the pass model, each with the features that its candidate has now.
+  std::vector<PassModel::Count> counts() const;
+
+ private:
+  std::uint32_t first_at(std::uint32_t row, std::uint32_t column) const;  // first candidate of the row from column on
+
+  struct Tally {
+    std::uint32_t passed = 0;
+    std::uint32_t failed = 0;
+    void note(bool has_passed) { ++(has_passed ? passed : failed); }
+  };
+  std::vector<Cell> cells_;
+  std::vector<std::uint32_t> row_offsets_;
+  std::vector<std::uint8_t> votes_bins_, rivals_bins_;
+  std::vector<Verdict> verdicts_;
+  std::vector<std::uint32_t> verified_;  // in order of their verdicts
+  std::vector<Tally> near_, of_row_, of_column_;
+};
+
+}  // namespace mapweld

@@ -1,0 +1,81 @@
+#include "core/merge/spectral/pass_model.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace mapweld {
+namespace {
+
+constexpr int kWeights = 1 + PassModel::kVotes + PassModel::kRivals + PassModel::kSupport + PassModel::kHistory;
+constexpr int kSweeps = 8;
+constexpr double kRidge = 1.0;     // a prior weight counts like so much information
+constexpr double kCellPrior = 30;  // verdicts that a cell needs to outweigh the model
+
+// Prior weights: more votes, fewer rivals, passed neighbours are good signs.
+constexpr std::array<double, kWeights> kPrior{-1.2,                                          // constant
+                                              -1.6, -1.4, -1.2, -0.9, -0.6, -0.2, 0.3, 1.2,  // votes
+                                              -0.6, -0.2, 0.2,  0.8,                         // rivals
+                                              0.0,  -0.6, -1.4, -0.2, 0.8,  1.6,  2.4,       // support
+                                              0.0,  -0.3, -0.8, -0.4, 0.2,  0.5};            // history
+
+// (1 + x / 1024)^1024, which is e^x well enough.
+double exponential(double x) {
+  double value = 1 + std::clamp(x, -12.0, 12.0) / 1024;
+  for (int i = 0; i < 10; ++i) value *= value;
+  return value;
+}
+
+double logistic(double x) { return 1 / (1 + exponential(-x)); }
+
+std::array<int, 4> weights_of(int cell) {
+  const int history = cell % PassModel::kHistory;
+  cell /= PassModel::kHistory;
+  const int support = cell % PassModel::kSupport;
+  cell /= PassModel::kSupport;
+  const int rivals = cell % PassModel::kRivals, votes = cell / PassModel::kRivals;
+  const int first_rivals = 1 + PassModel::kVotes, first_support = first_rivals + PassModel::kRivals;
+  return {1 + votes, first_rivals + rivals, first_support + support, first_support + PassModel::kSupport + history};
+}
+
+}  // namespace
+
+PassModel::PassModel(const std::vector<Count>& counts) {
+  if (counts.size() != kCells) throw std::invalid_argument("a pass model needs the counts of every cell");
+  struct Data {
+    std::array<int, 4> weights;
+    double verified, passed, sum;
+  };
+  std::array<double, kWeights> weight = kPrior;
+  const auto sum_of = [&weight](const std::array<int, 4>& w) {
+    return weight[0] + weight[w[0]] + weight[w[1]] + weight[w[2]] + weight[w[3]];
+  };
+  std::vector<Data> data;
+  std::array<std::vector<std::uint32_t>, kWeights> users;
+  for (int c = 0; c < kCells; ++c) {
+    if (counts[c].verified == 0) continue;
+    const std::array<int, 4> w = weights_of(c);
+    for (const int k : w) users[k].push_back(static_cast<std::uint32_t>(data.size()));
+    users[0].push_back(static_cast<std::uint32_t>(data.size()));
+    data.push_back({w, static_cast<double>(counts[c].verified), static_cast<double>(counts[c].passed), sum_of(w)});
+  }
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (int k = 0; k < kWeights; ++k) {
+      if (users[k].empty()) continue;
+      double slope = kRidge * (kPrior[k] - weight[k]), curvature = kRidge;
+      for (const std::uint32_t d : users[k]) {
+        const double p = logistic(data[d].sum);
+        slope += data[d].passed - data[d].verified * p;
+        curvature += data[d].verified * p * (1 - p);
+      }
+      const double change = std::clamp(slope / curvature, -1.0, 1.0);
+      weight[k] += change;
+      for (const std::uint32_t d : users[k]) data[d].sum += change;
+    }
+  }
+  for (int c = 0; c < kCells; ++c) {
+    const double model = logistic(sum_of(weights_of(c)));
+    chances_[c] = static_cast<float>((counts[c].passed + kCellPrior * model) / (counts[c].verified + kCellPrior));
+  }
+}
+
+}  // namespace mapweld

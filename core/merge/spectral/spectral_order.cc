@@ -1,0 +1,295 @@
+#include "core/merge/spectral/spectral_order.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+#include <utility>
+
+#include "core/errors.h"
+#include "core/graph/components.h"
+
+namespace mapweld {
+namespace {
+
+struct Scored {
+  double score = 0;
+  std::uint32_t candidate = 0;
+  // Of two the one that is taken later: a heap keeps the greatest on top.
+  bool operator<(const Scored& o) const { return score != o.score ? score < o.score : candidate > o.candidate; }
+};
+
+// Below any strengthening of the largest component: edges within a smaller one.
+constexpr double kElsewhere = 0.01;
+
+double squared(double x) { return x * x; }
+
+}  // namespace
+
+SpectralSchedule::SpectralSchedule(const AppearanceGraph& graph, const SpectralOptions& options)
+    : options_(options), sets_(graph.vertices()), vertices_(graph.vertices()), largest_(graph.vertices() == 0 ? 0 : 1) {
+  for (std::uint32_t v = 0; v < vertices_; ++v) {
+    for (const Neighbour& n : graph.neighbours(VertexId{v})) join(VertexId{v}, n.vertex);
+  }
+}
+
+void SpectralSchedule::join(VertexId u, VertexId v) {
+  if (sets_.join(to_index(u), to_index(v))) largest_ = std::max(largest_, sets_.size_of(to_index(u)));
+}
+
+bool SpectralSchedule::begins_epoch(std::uint64_t verifications) {
+  const bool has_grown = largest_ > largest_then_ + largest_then_ / options_.growth_part;
+  if (verifications < next_epoch_ && !has_grown) return false;
+  next_epoch_ = verifications + std::max<std::uint64_t>({options_.least_epoch, vertices_ / options_.epoch_vertices,
+                                                         verifications / options_.epoch_part});
+  largest_then_ = largest_;
+  return true;
+}
+
+std::uint64_t SpectralSchedule::batch_size(std::uint64_t verifications) const {
+  return std::max<std::uint64_t>(options_.least_batch, verifications / options_.batch_part);
+}
+
+SpectralOrder::SpectralOrder(AppearanceGraph graph, std::span<const VertexId> sources,
+                             std::span<const VertexId> targets, std::vector<CandidateEvidence::Cell> cells,
+                             const SpectralOptions& options)
+    : options_(options),
+      graph_(std::move(graph)),
+      sources_(sources),
+      targets_(targets),
+      evidence_(static_cast<std::uint32_t>(sources.size()), static_cast<std::uint32_t>(targets.size()),
+                std::move(cells)),
+      schedule_(graph_, options),
+      source_joined_(sources.size(), 0) {
+  left_.resize(evidence_.size());
+  for (std::uint32_t i = 0; i < left_.size(); ++i) left_[i] = i;
+}
+
+void SpectralOrder::note(Verdict verdict) {
+  evidence_.note(verdict.candidate, verdict.passed);
+  ++verifications_;
+  if (!verdict.passed) return;
+  graph_.add_edge(source(verdict.candidate), target(verdict.candidate), 1);
+  source_joined_[cell(verdict.candidate).row] = 1;
+  passed_.push_back(verdict.candidate);
+}
+
+void SpectralOrder::begin_batch(bool may_embed) {
+  for (const std::uint32_t c : passed_) schedule_.join(source(c), target(c));
+  if (schedule_.begins_epoch(verifications_)) {
+    if (may_embed) begin_epoch();
+  } else if (gain_) {
+    for (const std::uint32_t c : passed_) gain_->add(source(c), target(c));
+  }
+  passed_.clear();
+}
+
+void SpectralOrder::begin_epoch() {
+  std::erase_if(left_, [this](std::uint32_t c) { return has_verdict(c); });
+  const Components components = connected_components(graph_);
+  const std::uint32_t largest = graph_.vertices() == 0 ? 0 : components.largest();
+  const auto strengthens = [&](std::uint32_t c) {
+    return components.component_of[to_index(source(c))] == largest &&
+           components.component_of[to_index(target(c))] == largest;
+  };
+  gain_.emplace(graph_, options_.gain, std::ranges::any_of(left_, strengthens));
+  const std::uint64_t end = schedule_.next_epoch();
+  const std::uint64_t picks = end - verifications_ + schedule_.batch_size(end);  // the most that the epoch can take
+  draw_shortlist(static_cast<std::size_t>(std::min<std::uint64_t>(left_.size(), options_.shortlist * picks)));
+  draw_quickconnect(static_cast<std::size_t>(std::min<std::uint64_t>(left_.size(), picks)));
+}
+
+void SpectralOrder::draw_shortlist(std::size_t count) {
+  const PassModel model(evidence_.counts());
+  std::vector<Scored> strengthening, others;
+  double best = 0, best_chance = 0;
+  for (const std::uint32_t c : left_) {
+    const double chance = squared(model.chance(PassModel::cell(evidence_.features(c))));
+    if (is_strengthening(c)) {
+      const double score = chance * gain_->first_gain(source(c), target(c));
+      strengthening.push_back({score, c});
+      if (score > best) {
+        best = score;
+        best_chance = chance;
+      }
+    } else {
+      const std::uint32_t a = gain_->component(source(c)), b = gain_->component(target(c));
+      others.push_back({chance * (a != b ? join_worth(a, b) : kElsewhere), c});
+    }
+  }
+  for (Scored& s : strengthening) s.score *= best > 0 ? best_chance / best : 0;
+  strengthening.insert(strengthening.end(), others.begin(), others.end());
+  const auto later = [](const Scored& a, const Scored& b) { return b < a; };
+  if (count < strengthening.size()) {
+    std::nth_element(strengthening.begin(), strengthening.begin() + static_cast<std::ptrdiff_t>(count),
+                     strengthening.end(), later);
+    strengthening.resize(count);
+  }
+  shortlist_.clear();
+  for (const Scored& s : strengthening) shortlist_.push_back(s.candidate);
+  std::ranges::sort(shortlist_);
+}
+
+double SpectralOrder::join_worth(std::uint32_t component_a, std::uint32_t component_b) const {
+  const double size = std::min(gain_->component_size(component_a), gain_->component_size(component_b));
+  return options_.join_weight + options_.join_size * std::sqrt(size / graph_.vertices());
+}
+
+void SpectralOrder::draw_quickconnect(std::size_t count) {
+  // Ascending (class and degree, votes descending), number.
+  constexpr std::uint64_t kNotTheBest = std::uint64_t{1} << 32, kJoined = std::uint64_t{1} << 33;
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
+  keys.reserve(left_.size());
+  for (std::size_t begin = 0, end = 0; begin < left_.size(); begin = end) {
+    const std::uint32_t row = cell(left_[begin]).row;
+    std::size_t best = begin;
+    for (; end < left_.size() && cell(left_[end]).row == row; ++end) {
+      if (cell(left_[end]).votes > cell(left_[best]).votes) best = end;
+    }
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint32_t c = left_[i];
+      std::uint64_t key = (0xFFFFu - std::min(cell(c).votes, 0xFFFFu));
+      if (source_joined_[row]) {
+        key |= kJoined | std::uint64_t{std::min({graph_.degree(source(c)), graph_.degree(target(c)), 0xFFFFu})} << 16;
+      } else if (i != best) {
+        key |= kNotTheBest;
+      }
+      keys.emplace_back(key, c);
+    }
+  }
+  if (count < keys.size()) {
+    std::nth_element(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(count), keys.end());
+    keys.resize(count);
+  }
+  std::ranges::sort(keys);
+  quickconnect_.clear();
+  for (const auto& [key, c] : keys) quickconnect_.push_back({c, source_joined_[cell(c).row] != 0});
+}
+
+std::vector<std::uint32_t> SpectralOrder::next_batch() {
+  begin_batch(true);
+  const std::size_t size =
+      std::min<std::uint64_t>(evidence_.size() - verifications_, schedule_.batch_size(verifications_));
+  std::erase_if(shortlist_, [this](std::uint32_t c) { return has_verdict(c); });
+  std::erase_if(quickconnect_, [this](const QuickConnectPick& p) { return has_verdict(p.candidate); });
+
+  // Strengthening candidates come with their gain; the others with the pair of components that they would join.
+  const PassModel model(evidence_.counts());
+  struct Entry {
+    double chance = 0;
+    double worth = 0;  // of joining, per chance
+    bool strengthens = false;
+    std::uint64_t joint = 0;  // 0: none
+  };
+  std::vector<Entry> entries(shortlist_.size());
+  double best = 0, best_chance = 0;
+  std::vector<Scored> heap;
+  heap.reserve(shortlist_.size());
+  for (std::uint32_t i = 0; i < shortlist_.size(); ++i) {
+    const std::uint32_t c = shortlist_[i];
+    Entry& entry = entries[i];
+    entry.chance = squared(model.chance(PassModel::cell(evidence_.features(c))));
+    entry.strengthens = is_strengthening(c);
+    if (entry.strengthens) {
+      const double score = entry.chance * gain_->gain(source(c), target(c));
+      heap.push_back({score, i});
+      if (score > best) {
+        best = score;
+        best_chance = entry.chance;
+      }
+      continue;
+    }
+    const std::uint32_t a = gain_->component(source(c)), b = gain_->component(target(c));
+    if (a != b) {
+      entry.joint = std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
+      entry.worth = join_worth(a, b);
+    }
+    heap.push_back({0, i});
+  }
+  const double scale = best > 0 ? best_chance / best : 0;
+  std::unordered_map<std::uint64_t, double> unjoined;  // chance that no pick so far joins these two components
+  const auto score_of = [&](std::uint32_t i) {
+    const Entry& entry = entries[i];
+    if (entry.strengthens) return scale * entry.chance * gain_->gain(source(shortlist_[i]), target(shortlist_[i]));
+    if (entry.joint == 0) return kElsewhere * entry.chance;
+    const auto known = unjoined.find(entry.joint);
+    return entry.worth * entry.chance * (known == unjoined.end() ? 1.0 : known->second);
+  };
+  for (Scored& s : heap) s.score = entries[s.candidate].strengthens ? scale * s.score : score_of(s.candidate);
+  std::make_heap(heap.begin(), heap.end());
+
+  std::vector<std::uint32_t> batch;
+  std::vector<std::uint8_t> is_picked(evidence_.size(), 0);
+  QuickConnectCursors cursors;
+  const auto pick = [&](std::uint32_t c) {
+    is_picked[c] = 1;
+    batch.push_back(c);
+  };
+  const ConnectivityGain::Metric metric = gain_->metric();
+  while (batch.size() < size) {
+    if ((verifications_ + batch.size() + 1) % options_.quickconnect_share == 0) {
+      pick(next_of_quickconnect(is_picked, cursors));
+      continue;
+    }
+    while (true) {
+      std::pop_heap(heap.begin(), heap.end());
+      Scored top = heap.back();
+      heap.pop_back();
+      const std::uint32_t c = shortlist_[top.candidate];
+      if (is_picked[c] != 0) continue;  // for QuickConnect's order
+      top.score = score_of(top.candidate);
+      if (!heap.empty() && top < heap.front()) {
+        heap.push_back(top);
+        std::push_heap(heap.begin(), heap.end());
+        continue;
+      }
+      pick(c);
+      const Entry& entry = entries[top.candidate];
+      if (entry.strengthens) {
+        gain_->expect(source(c), target(c), entry.chance);
+      } else if (entry.joint != 0) {
+        unjoined.try_emplace(entry.joint, 1.0).first->second *= 1 - entry.chance;
+      }
+      break;
+    }
+  }
+  gain_->set_metric(metric);
+  return batch;
+}
+
+// The next candidate of QuickConnect's order that is not picked yet. Both cursors only go forward within a batch.
+std::uint32_t SpectralOrder::next_of_quickconnect(const std::vector<std::uint8_t>& is_picked,
+                                                  QuickConnectCursors& cursors) const {
+  const auto is_free = [&](const QuickConnectPick& pick) { return is_picked[pick.candidate] == 0; };
+  for (; cursors.next < quickconnect_.size(); ++cursors.next) {
+    const QuickConnectPick& pick = quickconnect_[cursors.next];
+    const bool is_passed_over = !pick.was_joined && source_joined_[cell(pick.candidate).row] != 0;
+    if (is_free(pick) && !is_passed_over) return pick.candidate;
+  }
+  while (!is_free(quickconnect_[cursors.next_passed_over])) ++cursors.next_passed_over;
+  return quickconnect_[cursors.next_passed_over].candidate;
+}
+
+void SpectralOrder::restore(std::span<const Verdict> verdicts, std::uint64_t batch_began) {
+  SpectralSchedule plan = schedule_;
+  std::uint64_t epoch_began = 0;
+  for (std::uint64_t at = 0, taken = 0;;) {
+    for (; taken < std::min<std::uint64_t>(at, verdicts.size()); ++taken) {
+      const auto [c, has_passed] = verdicts[taken];
+      if (has_passed) plan.join(source(c), target(c));
+    }
+    if (plan.begins_epoch(at)) epoch_began = at;
+    if (at == batch_began) break;
+    at += plan.batch_size(at);
+    if (at > batch_began) throw FormatError("a merge state whose batch begins where none does");
+  }
+  std::uint64_t next = 0;
+  for (std::uint64_t i = 0; i <= verdicts.size(); ++i) {
+    if (i == next && i <= batch_began) {
+      begin_batch(i == epoch_began);
+      next += schedule_.batch_size(i);
+    }
+    if (i < verdicts.size()) note(verdicts[i]);
+  }
+}
+
+}  // namespace mapweld
