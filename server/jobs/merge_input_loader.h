@@ -14,7 +14,7 @@
 #include "schema/map_store.h"
 #include "schema/merge_store.h"
 #include "schema/store.h"
-#include "server/jobs/merge_jobs.h"
+#include "server/jobs/merge_job_options.h"
 
 namespace mapweld::server {
 

@@ -6,7 +6,7 @@
 
 #include "schema/map_store.h"
 #include "schema/merge_store.h"
-#include "server/jobs/merge_jobs.h"
+#include "server/jobs/merge_status.h"
 #include "server/jobs/run_control.h"
 
 namespace mapweld::server {

@@ -4,41 +4,29 @@
 
 #include <chrono>
 #include <cstdint>
-#include <functional>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
 
-#include "core/geometry/pair_verifier.h"
 #include "core/types.h"
 #include "schema/store.h"
+#include "server/jobs/merge_job_options.h"
 #include "server/jobs/merge_status.h"
 
 namespace mapweld::server {
 
-// Makes the verifier that a job's pairs are put to; called once a run.
-using VerifierFactory = std::function<std::shared_ptr<const PairVerifier>(const VerifierOptions&)>;
-
-struct MergeJobOptions {
-  VerifierFactory verifier;            // required
-  int workers = 1;                     // jobs that run at the same time
-  int verify_threads = 1;              // on which a job verifies pairs; the merge is the same for any number
-  double checkpoint_interval_s = 0.5;  // between checkpoints, where they are cheap enough
-  double checkpoint_cost_share = 0.1;  // of a job's time at most: a checkpoint of d seconds waits for d / share more
-  double metrics_interval_s = 0.2;     // between exact eigenvalues, and how old what is polled may be
-  double metrics_cost_share = 0.1;
-  std::function<void(const std::string&)> log;  // told of runs that fail or cannot be stored; may be empty
-};
+class MergeWorkers;
+class RunControl;
+enum class RunCommand : std::uint8_t;
 
 // Runs merge jobs on worker threads over the store. All functions may be called from any thread; every change is
 // committed before they return.
 class MergeJobs {
  public:
-  // `store` must outlive this.
+  // `store` must outlive this, whose end is a shutdown(). Throws std::invalid_argument without a verifier.
   MergeJobs(Store& store, MergeJobOptions options);
-  ~MergeJobs();  // shutdown()
-  MergeJobs(const MergeJobs&) = delete;
-  MergeJobs& operator=(const MergeJobs&) = delete;
+  ~MergeJobs();
 
   // Starts the workers. What was queued or running when the store was last closed goes on by itself.
   void start();
@@ -74,8 +62,13 @@ class MergeJobs {
   MergeStatus wait(std::int64_t id, std::chrono::duration<double> timeout) const;
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  // Tells the job's worker, or, when it has none, moves it to `state` itself, from any of the states in `from`.
+  MergeStatus stop(JobId job, RunCommand command, JobState state, std::initializer_list<JobState> from,
+                   const std::string& wish);
+  MergeStatus describe(const Reader& db, const MergeRow& row, const std::shared_ptr<RunControl>& run) const;
+
+  Store& store_;
+  std::unique_ptr<MergeWorkers> workers_;
 };
 
 }  // namespace mapweld::server

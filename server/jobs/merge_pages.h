@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "schema/database.h"
-#include "server/jobs/merge_jobs.h"
+#include "server/jobs/merge_status.h"
 
 namespace mapweld::server {
 

@@ -19,6 +19,7 @@
 #include "server/jobs/merge_job_rows.h"
 #include "server/jobs/merge_watch.h"
 #include "server/jobs/pacer.h"
+#include "server/services/times.h"
 
 namespace mapweld::server {
 namespace {
@@ -30,8 +31,6 @@ constexpr double kLeastMetricsInterval_s = 0.005;
 constexpr double kMetricsShareOfPast = 0.05;  // a young merge changes fast: measure again after this share of its age
 constexpr double kCurveSpacing =
     1.02;  // a point of the curve is kept when so much more time has passed than at the last
-
-Timestamp now() { return std::chrono::floor<std::chrono::microseconds>(std::chrono::system_clock::now()); }
 
 // The job was deleted, or claimed by somebody else: this run has nothing to say any more.
 struct FencedOff {};

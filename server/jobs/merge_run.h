@@ -5,7 +5,7 @@
 #include <string>
 
 #include "schema/store.h"
-#include "server/jobs/merge_jobs.h"
+#include "server/jobs/merge_job_options.h"
 #include "server/jobs/run_control.h"
 
 namespace mapweld::server {

@@ -3,7 +3,7 @@
 
 #include "schema/store.h"
 #include "schema/store_types.h"
-#include "server/jobs/merge_jobs.h"
+#include "server/jobs/merge_status.h"
 
 namespace mapweld::server {
 
