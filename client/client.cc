@@ -160,7 +160,10 @@ Answer<contract::Merge> Client::command_merge(std::int64_t id, const std::string
 }
 Answer<contract::Merge> Client::pause_merge(std::int64_t id) { return command_merge(id, "pause", "{}"); }
 Answer<contract::Merge> Client::resume_merge(std::int64_t id, const std::optional<contract::Budget>& budget) {
-  return command_merge(id, "resume", contract::dump(contract::ResumeMerge{budget}));
+  return command_merge(id, "resume", contract::dump(contract::RunMerge{budget}));
+}
+Answer<contract::Merge> Client::restart_merge(std::int64_t id, const std::optional<contract::Budget>& budget) {
+  return command_merge(id, "restart", contract::dump(contract::RunMerge{budget}));
 }
 Answer<contract::Merge> Client::cancel_merge(std::int64_t id) { return command_merge(id, "cancel", "{}"); }
 void Client::delete_merge(std::int64_t id) { connection_.remove(path_of(kRoot, {"merges", std::to_string(id)})); }

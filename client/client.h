@@ -102,6 +102,7 @@ class Client {
   Answer<contract::Pair> merge_pair(std::int64_t id, std::int64_t u, std::int64_t v, bool matches = false);
   Answer<contract::Merge> pause_merge(std::int64_t id);
   Answer<contract::Merge> resume_merge(std::int64_t id, const std::optional<contract::Budget>& budget = {});
+  Answer<contract::Merge> restart_merge(std::int64_t id, const std::optional<contract::Budget>& budget = {});
   Answer<contract::Merge> cancel_merge(std::int64_t id);
   void delete_merge(std::int64_t id);
 

@@ -86,6 +86,16 @@ void insert_edges(WriteTransaction& db, MapId map, std::span<const NewEdge> edge
   }
 }
 
+void delete_inter_edges(WriteTransaction& db, MapId merged) {
+  db.prepare("UPDATE maps SET edges = 0, unconfirmed = 0, revision = revision + 1 WHERE id = ? AND kind = 'merged'")
+      .bind(1, merged)
+      .run();
+  if (db.connection().changes() == 0) {
+    throw StoreError(StoreErrorKind::kConstraint, "inter edges belong to merged maps");
+  }
+  db.prepare("DELETE FROM edges WHERE map = ?").bind(1, merged).run();
+}
+
 std::vector<EdgeRow> list_merge_edges(const Reader& db, JobId job, std::size_t limit, std::optional<EdgeId> after) {
   sqlite::Statement row =
       db.prepare(rows::select_edges("INDEXED BY edges_by_job WHERE job = ? AND id > ? ORDER BY id LIMIT ?"));

@@ -45,6 +45,9 @@ VerifierId intern_verifier(WriteTransaction& db, std::string_view version, std::
 void insert_edges(WriteTransaction& db, MapId map, std::span<const NewEdge> edges, VerifierId verifier,
                   std::optional<JobId> job);
 
+// Takes all its inter edges from a merged map, whose counters begin again at 0. Its revision grows.
+void delete_inter_edges(WriteTransaction& db, MapId merged);
+
 struct EdgeRow {
   EdgeId id{};
   VertexId u{};  // u < v, in the numbering of the map that was asked

@@ -183,6 +183,23 @@ bool requeue_merge(WriteTransaction& db, JobId job, std::optional<std::string> b
   return true;
 }
 
+bool restart_merge(WriteTransaction& db, JobId job, std::optional<std::string> budget, Timestamp now) {
+  const auto merge = find_merge(db, job);
+  if (!merge) return false;
+  delete_inter_edges(db, merge->map);
+  for (const std::string_view table : {"checkpoints", "curve_points"}) {
+    db.prepare("DELETE FROM " + std::string(table) + " WHERE job = ?").bind(1, job).run();
+  }
+  db.prepare(
+        "UPDATE merges SET state = 'queued', phase = 'voting', stop_reason = NULL, error = NULL, epoch = epoch + 1, "
+        "step = 0, elapsed_s = 0, verifications = 0, edges = 0, granted_elapsed_s = 0, granted_verifications = 0, "
+        "granted_edges = 0, progress = '{}', checkpoint_at_us = NULL, budget = coalesce(?2, budget), "
+        "updated_at_us = ?3 WHERE id = ?1")
+      .bind_all(job, budget, rows::microseconds(now))
+      .run();
+  return true;
+}
+
 bool save_checkpoint(WriteTransaction& db, JobId job, std::uint64_t epoch, const CheckpointWrite& checkpoint) {
   const auto map = map_of_run(db, job, epoch);
   if (!map) return false;

@@ -76,6 +76,11 @@ std::optional<std::uint64_t> claim_merge(WriteTransaction& db, JobId job, Timest
 // now. Earlier epochs are fenced off. False, and nothing changed, when there is no such job.
 bool requeue_merge(WriteTransaction& db, JobId job, std::optional<std::string> budget, Timestamp now);
 
+// Begins a job afresh: its inter edges, checkpoint, curve and everything that it has spent go, and it is put in line,
+// with a new budget (JSON) when one is given; the rest of its row stays. Earlier epochs are fenced off. False, and
+// nothing changed, when there is no such job.
+bool restart_merge(WriteTransaction& db, JobId job, std::optional<std::string> budget, Timestamp now);
+
 // One part of a job's state; a name and opaque bytes of any length (schema/blobs/merge_state_blob.h knows what is in
 // them).
 struct CheckpointPart {

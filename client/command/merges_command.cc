@@ -1,4 +1,4 @@
-// mapweld merges [list|show|watch|pause|resume|cancel|delete|edges|curve]
+// mapweld merges [list|show|watch|pause|resume|restart|cancel|delete|edges|curve]
 #include <memory>
 
 #include "client/command/budget_options.h"
@@ -111,14 +111,17 @@ int watch_one(const Context& context, std::int64_t id) {
   return watch(server, id, context.json ? WatchStyle::kJson : WatchStyle::kPeople);
 }
 
-int resume(const Context& context, const MergesOptions& options) {
+using Run = client::Answer<contract::Merge> (client::Client::*)(std::int64_t, const std::optional<contract::Budget>&);
+
+// Sends a merge on its way by `run`; `says` how it goes, in words.
+int run_one(const Context& context, const MergesOptions& options, Run run, const std::string& says) {
   client::Client server = context.connect();
-  const auto merge = server.resume_merge(options.id, options.budget.budget());
+  const auto merge = (server.*run)(options.id, options.budget.budget());
   if (options.watch) return watch(server, options.id, context.json ? WatchStyle::kJson : WatchStyle::kPeople);
   if (context.json) {
     print_json(merge.json);
   } else {
-    print("Merge " + std::to_string(options.id) + " goes on.\n");
+    print("Merge " + std::to_string(options.id) + " " + says + ".\n");
   }
   return kDone;
 }
@@ -193,10 +196,15 @@ void add_merges_command(CLI::App& app, Context& context) {
               [](const Context& c, const MergesOptions& o) { return watch_one(c, o.id); });
   add_for_one("pause", "Stop a merge at its next step",
               [](const Context& c, const MergesOptions& o) { return tell(c, c.connect().pause_merge(o.id)); });
-  CLI::App* go_on = add_for_one("resume", "Go on exactly where a merge stopped", resume);
-  options->budget.add_to(*go_on);
-  go_on->add_flag("--watch", options->watch, "Follow it until it rests");
-  add_for_one("cancel", "End a merge for good; its edges stay",
+  const auto add_run = [&](const char* name, const char* help, Run run, const char* says) {
+    CLI::App* command =
+        add_for_one(name, help, [=](const Context& c, const MergesOptions& o) { return run_one(c, o, run, says); });
+    options->budget.add_to(*command);
+    command->add_flag("--watch", options->watch, "Follow it until it rests");
+  };
+  add_run("resume", "Go on exactly where a merge stopped", &client::Client::resume_merge, "goes on");
+  add_run("restart", "Begin a merge afresh; its edges go", &client::Client::restart_merge, "begins afresh");
+  add_for_one("cancel", "End a merge; its edges stay",
               [](const Context& c, const MergesOptions& o) { return tell(c, c.connect().cancel_merge(o.id)); });
   add_for_one("delete", "Undo a merge: its merged map and its edges go",
               [](const Context& c, const MergesOptions& o) { return remove(c, o.id); });

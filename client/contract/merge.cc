@@ -40,7 +40,7 @@ std::string default_merge_name(const std::vector<std::string>& maps) {
   return name.substr(0, 64);
 }
 
-void check(const ResumeMerge& request) {
+void check(const RunMerge& request) {
   if (request.budget) check(*request.budget);
 }
 

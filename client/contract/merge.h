@@ -67,13 +67,13 @@ void check(const SubmitMerge& request);
 // The name of a merged map that was given none: its members' names joined by "_", cut to the 64 bytes of a slug.
 std::string default_merge_name(const std::vector<std::string>& maps);
 
-// POST /v1/merges/{id}/resume, whose body may also be empty.
-struct ResumeMerge {
-  std::optional<Budget> budget;  // an allowance on top of what was spent
-  static constexpr auto fields() { return std::tuple(omitted_when_empty("budget", &ResumeMerge::budget)); }
-  friend bool operator==(const ResumeMerge&, const ResumeMerge&) = default;
+// POST /v1/merges/{id}/resume and .../restart, whose body may also be empty.
+struct RunMerge {
+  std::optional<Budget> budget;  // resume: an allowance on top of what was spent
+  static constexpr auto fields() { return std::tuple(omitted_when_empty("budget", &RunMerge::budget)); }
+  friend bool operator==(const RunMerge&, const RunMerge&) = default;
 };
-void check(const ResumeMerge& request);  // throws ContractError(invalid_budget)
+void check(const RunMerge& request);  // throws ContractError(invalid_budget)
 
 struct WordProgress {
   std::int64_t done = 0;

@@ -12,6 +12,11 @@ std::int64_t merge_in_path(const Request& request) {
   return number_in_path<std::int64_t>(request, "merge", "no_such_merge");
 }
 
+contract::RunMerge run_in(const Request& request) {
+  if (request.body.empty()) return {};
+  return contract::read_request<contract::RunMerge>(contract::parse_json(request.body));
+}
+
 // A merge that moves is worth asking about again.
 Reply merge_reply(int status, const contract::Merge& merge) {
   Reply reply = json_reply(status, merge);
@@ -74,11 +79,14 @@ void add_merge_routes(Router& router, const Services& services) {
               .body = BodyRule::kOptional,
               .json_body = true,
               .handler = [&merges](const Request& request) {
-                contract::ResumeMerge resume;
-                if (!request.body.empty()) {
-                  resume = contract::read_request<contract::ResumeMerge>(contract::parse_json(request.body));
-                }
-                return merge_reply(202, merges.resume(merge_in_path(request), resume));
+                return merge_reply(202, merges.resume(merge_in_path(request), run_in(request)));
+              }});
+  router.add({.method = "POST",
+              .pattern = "/v1/merges/{merge}/restart",
+              .body = BodyRule::kOptional,
+              .json_body = true,
+              .handler = [&merges](const Request& request) {
+                return merge_reply(202, merges.restart(merge_in_path(request), run_in(request)));
               }});
   router.add({.method = "POST",
               .pattern = "/v1/merges/{merge}/cancel",

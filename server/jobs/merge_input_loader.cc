@@ -7,10 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "schema/blobs/merge_state_blob.h"
+#include "core/errors.h"
+#include "core/merge/make_merger.h"
 #include "schema/edge_store.h"
 #include "schema/map_layout.h"
 #include "schema/map_store.h"
+#include "schema/merge_state_store.h"
 #include "schema/vertex_store.h"
 #include "server/jobs/merge_job_rows.h"
 
@@ -86,25 +88,20 @@ bool append_appearances(const Reader& db, const MapLayout& layout, VocabularyId 
   return true;
 }
 
+// Throws UnusableState where that is damaged.
 std::optional<MergeState> load_state(const Reader& db, JobId job) {
-  std::vector<StoredPart> stored = load_checkpoint(db, job);
-  std::vector<NewEdge> rows = load_merge_edges(db, job);
-  if (stored.empty() && rows.empty()) return std::nullopt;
-  std::vector<blobs::MergeStatePart> parts;
-  for (StoredPart& part : stored) parts.push_back({std::move(part.name), std::move(part.bytes)});
-  std::vector<MergeEdge> edges;
-  edges.reserve(rows.size());
-  for (NewEdge& row : rows) {
-    edges.push_back({row.u, row.v, row.votes, std::move(row.verification), row.verifications});
+  try {
+    return load_merge_state(db, job);
+  } catch (const StoreError& error) {
+    if (error.kind() != StoreErrorKind::kCorrupt) throw;
+    throw UnusableState(error.what());
   }
-  return blobs::decode_merge_state(parts, std::move(edges));
 }
 
 }  // namespace
 
-std::optional<LoadedMerge> load_merge(Store& store, JobId job, const VerifierFactory& verifier,
+std::optional<LoadedMerge> load_merge(const Reader& db, JobId job, const VerifierFactory& verifier,
                                       const std::function<bool()>& should_stop) {
-  const ReadTransaction db = store.read();
   std::optional<MergeRow> row = find_merge(db, job);
   if (!row) throw std::out_of_range("there is no merge " + std::to_string(to_index(job)));
   const std::optional<MapRow> map = find_map(db, row->map);
@@ -133,6 +130,23 @@ std::optional<LoadedMerge> load_merge(Store& store, JobId job, const VerifierFac
   loaded.state = load_state(db, job);
   loaded.row = std::move(*row);
   return loaded;
+}
+
+bool has_grown(const LoadedMerge& loaded) {
+  std::size_t vertices = 0;
+  for (const MergeMember& member : loaded.input.members) vertices += member.vertices.size();
+  return loaded.state && loaded.state->vertices < vertices;
+}
+
+std::unique_ptr<Merger> open_merger(LoadedMerge& loaded) {
+  if (!loaded.state) return make_merger(std::move(loaded.input));
+  const auto open = has_grown(loaded) ? make_grown_merger
+                                      : static_cast<std::unique_ptr<Merger> (*)(MergeInput, MergeState)>(make_merger);
+  try {
+    return open(std::move(loaded.input), std::move(*loaded.state));
+  } catch (const FormatError& error) {
+    throw UnusableState(error.what());
+  }
 }
 
 LoadedMaps load_maps(const Reader& db, std::span<const std::string> names) {

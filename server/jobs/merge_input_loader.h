@@ -1,16 +1,18 @@
-// A merge as the store has it: everything that a run needs to begin or to go on.
+// A merge as the store has it: everything that a run needs to begin or to go on, and the merger made of that.
 #pragma once
 
 #include <functional>
 #include <memory>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "core/guard/alias_guard.h"
 #include "core/merge/merge_input.h"
 #include "core/merge/merge_state.h"
+#include "core/merge/merger.h"
 #include "schema/map_store.h"
 #include "schema/merge_store.h"
 #include "schema/store.h"
@@ -27,10 +29,23 @@ struct LoadedMerge {
   std::shared_ptr<AliasGuard> guard;
 };
 
-// Reads one consistent state of the store; appearances of all members up to their watermarks come into memory. Nothing
-// is returned when `should_stop` says so in between. Throws StoreError, also kCorrupt for a damaged checkpoint.
-std::optional<LoadedMerge> load_merge(Store& store, JobId job, const VerifierFactory& verifier,
+// What is stored of a merge's state is damaged, or of another merge than its rows: a merge cannot go on from it, and
+// has to be restarted.
+class UnusableState : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// Appearances of all members up to their watermarks come into memory. Nothing is returned when `should_stop` says so in
+// between. Throws UnusableState, StoreError for anything else that is damaged, std::out_of_range without such a merge.
+std::optional<LoadedMerge> load_merge(const Reader& db, JobId job, const VerifierFactory& verifier,
                                       const std::function<bool()>& should_stop);
+
+// Whether members have grown since the state was stored: nothing of its search is then of use.
+bool has_grown(const LoadedMerge& loaded);
+
+// The merger that goes on from what was loaded, or begins; takes input and state out of it. Throws UnusableState.
+std::unique_ptr<Merger> open_merger(LoadedMerge& loaded);
 
 struct LoadedMaps {
   std::vector<MapRow> maps;  // in the order given

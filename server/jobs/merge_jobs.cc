@@ -23,6 +23,11 @@ MergeRow require_merge(const Reader& db, JobId job) {
   return std::move(*row);
 }
 
+[[noreturn]] void refuse_in_use(JobId job) {
+  throw MergeJobError("map_in_use",
+                      "Another merge uses the map that merge " + std::to_string(to_index(job)) + " makes.");
+}
+
 [[noreturn]] void refuse_state(const MergeRow& row, const std::string& wish) {
   throw MergeJobError("wrong_state", "Merge " + std::to_string(to_index(row.id)) + " is " +
                                          std::string(to_string(row.state)) + " and cannot be " + wish + ".");
@@ -190,6 +195,24 @@ MergeStatus MergeJobs::resume(std::int64_t id, const std::optional<MergeBudget>&
   return get(id);
 }
 
+MergeStatus MergeJobs::restart(std::int64_t id, const std::optional<MergeBudget>& budget) {
+  if (budget) check(*budget);
+  const JobId job{id};
+  {
+    const auto control = workers_->control();
+    WriteTransaction db = store_.write();
+    const MergeRow row = require_merge(db, job);
+    if (!is_at_rest(row.state) && !workers_->unstored_failure(job)) refuse_state(row, "restarted");
+    if (!list_merged_over(db, row.map).empty()) refuse_in_use(job);
+    for (const MemberRow& member : list_members(db, row.map)) require_settled(db, member.map, member.name);
+    extend_merged_map(db, row.map);
+    restart_merge(db, job, budget ? std::optional(to_row(*budget)) : std::nullopt, now());
+    db.commit();
+  }
+  workers_->enqueue(job);
+  return get(id);
+}
+
 void MergeJobs::remove(std::int64_t id) {
   const JobId job{id};
   std::shared_ptr<RunControl> run;
@@ -201,7 +224,7 @@ void MergeJobs::remove(std::int64_t id) {
       case DeleteOutcome::kNotFound:
         throw MergeJobError("no_such_merge", "There is no merge " + std::to_string(id) + ".");
       case DeleteOutcome::kInUse:
-        throw MergeJobError("map_in_use", "Another merge uses the map that merge " + std::to_string(id) + " makes.");
+        refuse_in_use(job);
       case DeleteOutcome::kDeleted:
         break;
     }

@@ -52,7 +52,12 @@ class MergeJobs {
   // run unlimited. What the members have gained since is taken in, in the same transaction. Serves paused,
   // budget_exhausted, failed, and completed when a member has grown ("nothing_to_resume" otherwise).
   MergeStatus resume(std::int64_t id, const std::optional<MergeBudget>& budget);
-  // Final; the edges so far stay.
+  // Begins the merge afresh, from any state at rest: in one transaction its edges, its curve and all that it was and
+  // had spent go, what the members have gained is taken in, and it is queued with `budget`, or with all of the one that
+  // it had. Id, map and its numbers of vertices, members, method, seed and parameters stay. "map_in_use" when another
+  // merge names the merged map, "wrong_state" also when a member's own merge is not at rest.
+  MergeStatus restart(std::int64_t id, const std::optional<MergeBudget>& budget);
+  // Final, but for a restart; the edges so far stay.
   MergeStatus cancel(std::int64_t id);
   // In any state: stops the job at its next step, then removes the job, its merged map and its inter edges in one
   // transaction. "map_in_use" when another merge names the merged map.

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "core/merge/certificate/fraction_stop.h"
-#include "core/merge/make_merger.h"
 #include "core/merge/run.h"
 #include "schema/blobs/merge_state_blob.h"
 #include "schema/merge_store.h"
@@ -35,12 +34,6 @@ constexpr double kCurveSpacing =
 // The job was deleted, or claimed by somebody else: this run has nothing to say any more.
 struct FencedOff {};
 
-std::uint32_t vertices_of(const MergeInput& input) {
-  std::size_t vertices = 0;
-  for (const MergeMember& member : input.members) vertices += member.vertices.size();
-  return static_cast<std::uint32_t>(vertices);
-}
-
 RunEnd end_of_failure(const std::string& error) { return {JobState::kFailed, "error", error, now()}; }
 
 class Run {
@@ -58,20 +51,13 @@ class Run {
     loaded.input.executor = std::move(executor);
     if (loaded.state) {
       edges_stored_ = loaded.state->edges.size();
-      if (loaded.state->vertices < vertices_of(loaded.input)) {
-        // The members have grown since: nothing of the search that is stored is of use.
-        merger_ = make_grown_merger(std::move(loaded.input), std::move(*loaded.state));
-      } else {
-        mark_ = blobs::mark_of(*loaded.state);
-        merger_ = make_merger(std::move(loaded.input), std::move(*loaded.state));
-      }
+      if (!has_grown(loaded)) mark_ = blobs::mark_of(*loaded.state);
       progress_.checkpoint_step = row_.step;
       const std::chrono::duration<double> age =
           row_.checkpoint_at ? now() - *row_.checkpoint_at : Timestamp::duration{};
       progress_.checkpoint_at = Clock::now() - std::chrono::duration_cast<Clock::duration>(age);
-    } else {
-      merger_ = make_merger(std::move(loaded.input));
     }
+    merger_ = open_merger(loaded);
     verifications_before_ = merger_->state().verifications;
     revoked_before_ = progress_of(row_).revoked;
     watch_ = std::make_unique<MergeWatch>(*merger_, std::move(loaded.guard));
@@ -324,7 +310,7 @@ RunOutcome run_merge(Store& store, JobId job, RunControl& control, const MergeJo
                      std::shared_ptr<const Executor> executor) {
   try {
     std::optional<LoadedMerge> loaded =
-        load_merge(store, job, options.verifier, [&control] { return control.command() != RunCommand::kNone; });
+        load_merge(store.read(), job, options.verifier, [&control] { return control.command() != RunCommand::kNone; });
     if (!loaded) {
       end_unloaded(store, job, control);
       return {};
@@ -333,6 +319,9 @@ RunOutcome run_merge(Store& store, JobId job, RunControl& control, const MergeJo
     return {};
   } catch (const FencedOff&) {
     return {};
+  } catch (const UnusableState& error) {
+    const std::string help = "; it cannot go on from there, but a restart begins it afresh";
+    return fail(store, job, control, error.what() + help, options);
   } catch (const std::exception& error) {
     return fail(store, job, control, error.what(), options);
   }

@@ -63,12 +63,7 @@ std::vector<MapRow> require_members(const Reader& db, const MergeRequest& reques
         refuse("duplicate_member", "\"" + name + "\" is part of another member: a map merges once.");
       }
     }
-    if (map->kind == MapKind::kMerged) {
-      const std::optional<MergeRow> merge = find_merge_of(db, map->id);
-      if (merge && (merge->state == JobState::kQueued || merge->state == JobState::kRunning)) {
-        refuse("wrong_state", "The merge that makes \"" + name + "\" is not at rest; pause it or wait for it.");
-      }
-    }
+    require_settled(db, map->id, name);
     if (!members.empty() && map->vocabulary != members.front().vocabulary) {
       refuse("vocabulary_mismatch",
              "\"" + members.front().name + "\" and \"" + name + "\" have different vocabularies.");
@@ -107,6 +102,13 @@ void check(const MergeRequest& request) {
   }
   check(request.parameters);
   check(request.budget);
+}
+
+void require_settled(const Reader& db, MapId map, const std::string& name) {
+  const std::optional<MergeRow> merge = find_merge_of(db, map);
+  if (merge && (merge->state == JobState::kQueued || merge->state == JobState::kRunning)) {
+    refuse("wrong_state", "The merge that makes \"" + name + "\" is not at rest; pause it or wait for it.");
+  }
 }
 
 JobId store_submission(WriteTransaction& db, const MergeRequest& request, Timestamp now) {

@@ -34,6 +34,12 @@ MergeBudget budget_of(const contract::Budget& budget) {
           .certified = budget.certified.value_or(false)};
 }
 
+std::optional<MergeBudget> budget_of(const contract::RunMerge& request) {
+  contract::check(request);
+  if (!request.budget) return std::nullopt;
+  return budget_of(*request.budget);
+}
+
 contract::Budget describe(const MergeBudget& budget) {
   contract::Budget out;
   out.seconds = budget.seconds;
@@ -210,11 +216,12 @@ contract::Page<contract::MergeEdge> MergeService::edges(std::int64_t id, const P
 
 contract::Merge MergeService::pause(std::int64_t id) { return describe(jobs_.pause(id)); }
 
-contract::Merge MergeService::resume(std::int64_t id, const contract::ResumeMerge& request) {
-  contract::check(request);
-  std::optional<MergeBudget> budget;
-  if (request.budget) budget = budget_of(*request.budget);
-  return describe(jobs_.resume(id, budget));
+contract::Merge MergeService::resume(std::int64_t id, const contract::RunMerge& request) {
+  return describe(jobs_.resume(id, budget_of(request)));
+}
+
+contract::Merge MergeService::restart(std::int64_t id, const contract::RunMerge& request) {
+  return describe(jobs_.restart(id, budget_of(request)));
 }
 
 contract::Merge MergeService::cancel(std::int64_t id) { return describe(jobs_.cancel(id)); }

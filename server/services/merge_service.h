@@ -26,7 +26,8 @@ class MergeService {
   contract::Page<contract::MergeEdge> edges(std::int64_t id, const PageRequest& page) const;
 
   contract::Merge pause(std::int64_t id);
-  contract::Merge resume(std::int64_t id, const contract::ResumeMerge& request);
+  contract::Merge resume(std::int64_t id, const contract::RunMerge& request);
+  contract::Merge restart(std::int64_t id, const contract::RunMerge& request);
   contract::Merge cancel(std::int64_t id);
   void remove(std::int64_t id);
 

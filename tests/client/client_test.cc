@@ -108,6 +108,7 @@ TEST(ClientRequests, SayOnlyWhatWasAsked) {
   FakeServer server;
   server.script("POST /v1/merges", 202, std::string(R"({"id":1})"));
   server.script("POST /v1/merges/1/resume", 202, std::string(R"({"id":1})"));
+  server.script("POST /v1/merges/1/restart", 202, std::string(R"({"id":1})"));
   server.script("GET /v1/merges", 200, std::string(R"({"items":[],"next_cursor":null})"));
   Client client(server.url());
   contract::SubmitMerge request;
@@ -115,6 +116,8 @@ TEST(ClientRequests, SayOnlyWhatWasAsked) {
   EXPECT_EQ(contract::dump(request), R"({"maps":["a","b"]})");
   EXPECT_EQ(client.submit_merge(request)->id, 1);
   EXPECT_EQ(client.resume_merge(1)->id, 1);
+  EXPECT_EQ(client.restart_merge(1)->id, 1);
+  EXPECT_EQ(server.bodies().back(), "{}");
   client.merges("paused");
   EXPECT_EQ(server.requests().back(), "GET /v1/merges?state=paused&limit=1000");
 }

@@ -274,13 +274,16 @@ TEST_F(Command, MergesAreListedByDefaultAndActedOnByNumber) {
         << list.out;
   }
   EXPECT_EQ(Json::parse(ask("merges --json").out), merges);
-  for (const char* verb : {"pause", "resume", "cancel"}) {
+  for (const char* verb : {"pause", "resume", "restart", "cancel"}) {
     server.script(std::string("POST /v1/merges/1/") + verb, 202, merge_json("running"));
     EXPECT_EQ(ask(std::string("merges ") + verb + " 1").code, 0);
     EXPECT_EQ(server.requests().back(), std::string("POST /v1/merges/1/") + verb);
   }
   ask("merges resume 1 --budget 2s");
   EXPECT_EQ(server.bodies().back(), R"({"budget":{"seconds":2.0}})");
+  ask("merges restart 1 --budget-verifications 7");
+  EXPECT_EQ(server.requests().back(), "POST /v1/merges/1/restart");
+  EXPECT_EQ(server.bodies().back(), R"({"budget":{"verifications":7}})");
   server.script_problem("POST /v1/merges/1/resume", "nothing_to_resume", "Merge 1 is complete.");
   EXPECT_EQ(ask("merges resume 1").code, 1);
   server.script("GET /v1/merges/1", 200, merge_json("completed"));

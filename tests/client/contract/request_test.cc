@@ -131,8 +131,8 @@ TEST(BudgetRequest, IsPositiveAndFinite) {
     EXPECT_TRUE(fails(budget(text), "invalid_budget", "budget")) << text;
   }
   EXPECT_TRUE(fails(budget(R"({"hours":1})"), "unknown_field", "\"budget.hours\""));
-  EXPECT_TRUE(fails(reading<ResumeMerge>(R"({"budget":{"seconds":-1}})"), "invalid_budget", "seconds"));
-  EXPECT_TRUE(fails(reading<ResumeMerge>(R"({"seconds":1})"), "unknown_field", "\"seconds\""));
+  EXPECT_TRUE(fails(reading<RunMerge>(R"({"budget":{"seconds":-1}})"), "invalid_budget", "seconds"));
+  EXPECT_TRUE(fails(reading<RunMerge>(R"({"seconds":1})"), "unknown_field", "\"seconds\""));
 }
 
 TEST(Names, SlugsAndImageNames) {

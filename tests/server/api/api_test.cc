@@ -141,6 +141,34 @@ TEST(Api, ABudgetStopsAMergeAndResumeFinishesIt) {
   EXPECT_EQ(finished["edges"], whole["edges"]);
 }
 
+TEST(Api, AMergeIsRestartedUnderItsNumber) {
+  ApiUnderTest api;
+  for (const char* map : {"a", "b"}) {
+    api.services().create_map(map);
+    for (int step = 0; step < 8; ++step) api.services().upload(map, std::to_string(step), photo_jpeg(1, step));
+  }
+  api.post("/v1/merges", R"({"maps":["a","b"],"name":"ab","method":"quickconnect"})");
+  const contract::Json whole = api.finished_merge(1);
+  // The map is in use before, while and after its edges go.
+  EXPECT_EQ(api.post_image("/v1/maps/ab/localize", photo_jpeg(1, 3)).json()["status"], "localized");
+  const Answer begun = api.post("/v1/merges/1/restart", R"({"budget":{"verifications":3}})");
+  EXPECT_EQ(begun.status, 202);
+  EXPECT_EQ(begun.json()["id"], 1);
+  EXPECT_EQ(begun.json()["map"], "ab");
+  const contract::Json stopped = api.finished_merge(1);
+  EXPECT_EQ(stopped["state"], "budget_exhausted");
+  EXPECT_EQ(stopped["candidates"]["verified"], 3);
+  EXPECT_EQ(api.get("/v1/merges/1/edges").json()["items"].size(), stopped["edges"]);
+  EXPECT_EQ(api.post_image("/v1/maps/ab/localize", photo_jpeg(1, 3)).json()["status"], "localized");
+  EXPECT_EQ(api.post("/v1/merges/1/restart", R"({"budget":{}})").status, 202);
+  EXPECT_EQ(api.finished_merge(1)["edges"], whole["edges"]);
+  EXPECT_EQ(api.post("/v1/merges", R"({"maps":["ab","a"],"name":"x"})").code(), "duplicate_member");
+  api.services().create_map("c");
+  api.post("/v1/merges", R"({"maps":["ab","c"],"name":"abc"})");
+  EXPECT_EQ(api.post("/v1/merges/1/restart", "").code(), "map_in_use");
+  EXPECT_EQ(api.post("/v1/merges/7/restart", "").code(), "no_such_merge");
+}
+
 TEST(Api, TakesImagesOfEveryUsualKind) {
   ApiUnderTest api;
   api.services().create_map("lab");

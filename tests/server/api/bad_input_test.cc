@@ -76,7 +76,7 @@ TEST_F(BadInput, NamesThatAreNone) {
 }
 
 TEST_F(BadInput, JsonThatIsNone) {
-  for (const char* path : {"/v1/maps", "/v1/merges", "/v1/merges/1/resume"}) {
+  for (const char* path : {"/v1/maps", "/v1/merges", "/v1/merges/1/resume", "/v1/merges/1/restart"}) {
     for (const std::string& body : {std::string("{"), std::string("nonsense"), std::string("{\"name\":\"x\"}}"),
                                     std::string("\"x\""), std::string("[]"), std::string("{\"name\":\"\xff\"}"),
                                     std::string(100'000, '['), "{\"name\":" + std::string(50'000, '[') + "}"}) {

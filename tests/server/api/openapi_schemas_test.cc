@@ -85,7 +85,7 @@ TEST(OpenApi, SchemasHaveTheFieldsOfTheDocuments) {
   expect_fields<CreateMap>(schemas["CreateMap"], "CreateMap");
   expect_fields<MergeParameters>(schemas["MergeParameters"], "MergeParameters");
   expect_fields<SubmitMerge>(schemas["SubmitMerge"], "SubmitMerge");
-  expect_fields<ResumeMerge>(schemas["ResumeMerge"], "ResumeMerge");
+  expect_fields<RunMerge>(schemas["RunMerge"], "RunMerge");
   expect_fields<Budget>(schemas["Budget"], "Budget");
 }
 

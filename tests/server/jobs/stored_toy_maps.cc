@@ -5,9 +5,8 @@
 
 #include "core/merge/make_merger.h"
 #include "core/merge/run.h"
-#include "schema/blobs/merge_state_blob.h"
-#include "schema/edge_store.h"
 #include "schema/map_store.h"
+#include "schema/merge_state_store.h"
 #include "schema/vertex_store.h"
 
 namespace mapweld::test {
@@ -71,18 +70,7 @@ MergeState uninterrupted(const ToyWorld& world) {
   return merger->state();
 }
 
-MergeState stored_state(Store& store, std::int64_t job) {
-  const ReadTransaction db = store.read();
-  std::vector<blobs::MergeStatePart> parts;
-  for (StoredPart& part : load_checkpoint(db, JobId{job})) {
-    parts.push_back({std::move(part.name), std::move(part.bytes)});
-  }
-  std::vector<MergeEdge> edges;
-  for (NewEdge& e : load_merge_edges(db, JobId{job})) {
-    edges.push_back({e.u, e.v, e.votes, std::move(e.verification), e.verifications});
-  }
-  return blobs::decode_merge_state(parts, std::move(edges));
-}
+MergeState stored_state(Store& store, std::int64_t job) { return load_merge_state(store.read(), JobId{job}).value(); }
 
 server::MergeJobOptions job_options(const std::shared_ptr<const PairVerifier>& verifier) {
   server::MergeJobOptions options;

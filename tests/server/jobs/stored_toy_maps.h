@@ -36,22 +36,22 @@ MergeState stored_state(Store& store, std::int64_t job);
 // A verifier whose verdicts take time, so that a job can be met while it runs; and that can be told to fail.
 class SlowVerifier final : public PairVerifier {
  public:
-  SlowVerifier(double accept_share, std::chrono::microseconds delay) : verdicts_(accept_share), delay_(delay) {}
+  SlowVerifier(double accept_share, std::chrono::microseconds each) : delay(each), verdicts_(accept_share) {}
   Verification verify(const AppearanceVector& a, const AppearanceVector& b) const override {
     if (fails) throw std::runtime_error("the verifier is out of order");
-    std::this_thread::sleep_for(delay_);
+    std::this_thread::sleep_for(delay.load());
     ++calls;
     return verdicts_.verify(a, b);
   }
   std::string version() const override { return verdicts_.version(); }
   const VerifierOptions& options() const override { return verdicts_.options(); }
 
+  std::atomic<std::chrono::microseconds> delay;  // of a verdict
   std::atomic<bool> fails = false;
   mutable std::atomic<std::uint64_t> calls = 0;
 
  private:
   HashVerifier verdicts_;
-  std::chrono::microseconds delay_;
 };
 
 server::MergeJobOptions job_options(const std::shared_ptr<const PairVerifier>& verifier);
