@@ -11,6 +11,7 @@
 #include "schema/blobs/judgement_blob.h"
 #include "schema/edge_store.h"
 #include "schema/map_layout.h"
+#include "schema/merge_state_check.h"
 #include "schema/merge_store.h"
 #include "schema/rows.h"
 #include "schema/segment_postings.h"
@@ -27,6 +28,9 @@ Sha256 hash_of(std::span<const std::uint8_t> bytes) {
 }
 
 std::string number(std::uint64_t value) { return std::to_string(value); }
+
+// What helps a merge whose state is damaged.
+constexpr const char* kRestart = "; restart the merge";
 
 // Enough findings: the rest is not looked at.
 struct Enough {};
@@ -65,7 +69,7 @@ class Checker {
 
   // Runs a check in which damage may throw, and takes the exception down as a finding.
   template <typename Check>
-  void guarded(const std::string& where, Check&& check) {
+  void guarded(const std::string& where, Check&& check, const std::string& remedy = {}) {
     std::optional<std::string> what;
     try {
       check();
@@ -75,7 +79,7 @@ class Checker {
     } catch (const std::exception& error) {
       what = error.what();
     }
-    if (what) found(where, *what);
+    if (what) found(where, *what + remedy);
   }
 
   template <typename Check>
@@ -265,6 +269,10 @@ class Checker {
         " e.confidence || ', where its merge asks for ' || json_extract(m.parameters, '$.min_confidence') "
         "FROM edges e JOIN merges m ON m.id = e.job "
         "WHERE e.confirmed <> (e.confidence >= json_extract(m.parameters, '$.min_confidence'))");
+    findings_of(
+        "SELECT 'edges: ' || e.id, 'it has ' || e.votes || ' votes, where its merge asks for ' || "
+        " json_extract(m.parameters, '$.min_votes') FROM edges e JOIN merges m ON m.id = e.job "
+        "WHERE e.votes < json_extract(m.parameters, '$.min_votes')");
     sqlite::Statement owner = db_.prepare("SELECT DISTINCT map FROM edges ORDER BY map");
     while (owner.step()) {
       std::vector<std::uint32_t> features;
@@ -298,9 +306,16 @@ class Checker {
     findings_of(
         "SELECT 'merges: ' || merges.id, 'its map is no merged map' FROM merges JOIN maps ON maps.id = map "
         "WHERE kind <> 'merged'");
+    report_.checkpoints = static_cast<std::uint64_t>(
+        db_.connection().query_integer("SELECT count(*) FROM (SELECT DISTINCT job, part FROM checkpoints)"));
     for (const MergeRow& merge : list_merges(db_, SIZE_MAX >> 1)) {
-      guarded("checkpoints: merge " + number(static_cast<std::uint64_t>(to_index(merge.id))),
-              [&] { report_.checkpoints += load_checkpoint(db_, merge.id).size(); });
+      const std::string where = where_of_checkpoint(merge.id);
+      guarded(
+          where,
+          [&] {
+            for (const std::string& what : check_merge_state(db_, merge)) found(where, what + kRestart);
+          },
+          kRestart);
     }
   }
 
@@ -310,6 +325,8 @@ class Checker {
 };
 
 }  // namespace
+
+std::string where_of_checkpoint(JobId job) { return "checkpoints: merge " + std::to_string(to_index(job)); }
 
 StoreCheckReport check_store(const Reader& db, const StoreCheckOptions& options) { return Checker(db, options).run(); }
 

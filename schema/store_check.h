@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "schema/store.h"
+#include "schema/store_types.h"
 
 namespace mapweld {
 
@@ -16,6 +17,9 @@ struct Finding {
   std::string what;   // what is wrong
   friend bool operator==(const Finding&, const Finding&) = default;
 };
+
+// Where a finding about a merge's state is: "checkpoints: merge 3".
+std::string where_of_checkpoint(JobId job);
 
 struct StoreCheckOptions {
   std::size_t max_findings = 100;                          // stop looking after so many
@@ -33,9 +37,9 @@ struct StoreCheckReport {
 };
 
 // Looks at one state of the database: SQLite's own integrity and foreign keys; checksums of all blobs, SHA-256 of
-// vocabularies and images; numbers without gaps, counters, edge ends and member spans; and that the segments hold
-// exactly the postings of the appearances they cover. Changes nothing; may run beside a server. Damage is a finding,
-// never an exception.
+// vocabularies and images; numbers without gaps, counters, edge ends and member spans; that the segments hold exactly
+// the postings of the appearances they cover; and that merges' states agree with the rows beside them. Changes nothing;
+// may run beside a server. Damage is a finding, never an exception.
 StoreCheckReport check_store(const Reader& db, const StoreCheckOptions& options = {});
 
 }  // namespace mapweld

@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "schema/merge_state_store.h"
 #include "schema/merge_store.h"
 #include "schema/segment_store.h"
 #include "schema/store_check.h"
@@ -15,6 +16,17 @@ namespace mapweld {
 namespace {
 
 using test::Random;
+
+// Of several parts, all of which tell the step.
+MergeState state_at(std::uint64_t step) {
+  MergeState state;
+  state.method = "quickconnect";
+  state.step = step;
+  state.search.priorities.assign(2'000, static_cast<std::uint32_t>(step));
+  state.search.word_processed.assign(2'000, step % 2);
+  state.search.postponed.assign(100, {VertexId{0}, VertexId{1}, static_cast<std::uint32_t>(step)});
+  return state;
+}
 
 // Writes vertices, segments and checkpoints until it is killed; tells the pipe each vertex that was committed.
 [[noreturn]] void write_until_killed(const std::filesystem::path& folder, MapId map, VocabularyId vocabulary, JobId job,
@@ -39,14 +51,8 @@ using test::Random;
       if (::write(acknowledge, &next, sizeof next) != sizeof next) ::_exit(1);
       if (next % 16 == 0) write_due_segments(data.store(), {8, 3, 72});
       if (next % 4 == 0) {
-        const std::vector<std::uint8_t> bytes(5'000, static_cast<std::uint8_t>(++step));
-        const CheckpointPart part{"state", bytes};
         WriteTransaction db = data.store().write();
-        CheckpointWrite checkpoint;
-        checkpoint.step = step;
-        checkpoint.phase = "exploration";
-        checkpoint.parts = std::span(&part, 1);
-        save_checkpoint(db, job, epoch, checkpoint);
+        test::save_state(db, job, epoch, state_at(++step));
         db.commit();
       }
     }
@@ -105,8 +111,8 @@ TEST(Crash, WhatWasAcknowledgedIsThereAndWholeAfterEveryKill) {
     ASSERT_GE(vertices, last + 1);
     ASSERT_LE(vertices, last + 2);
     EXPECT_EQ(load_index(reader, map, vocabulary).vertices(), vertices);
-    for (const StoredPart& part : load_checkpoint(reader, job)) {
-      EXPECT_EQ(part.bytes, std::vector<std::uint8_t>(5'000, static_cast<std::uint8_t>(find_merge(reader, job)->step)));
+    if (const auto state = load_merge_state(reader, job)) {
+      EXPECT_EQ(*state, state_at(find_merge(reader, job)->step));
     }
     total = vertices;
   }

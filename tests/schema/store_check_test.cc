@@ -43,15 +43,12 @@ class StoreCheckTest : public testing::Test {
     const MapId merged = insert_merged_map(db, test::new_map("ab", vocabulary_), std::vector{a_, b_});
     const JobId job = insert_merge(db, {merged, "quickconnect", 7, "{}", "{}", test::at(0)});
     const std::uint64_t epoch = claim_merge(db, job, test::at(1)).value();
-    const std::vector<std::uint8_t> bytes(1'000, 7);
-    const CheckpointPart part{"state", bytes};
-    const NewEdge edge{VertexId{4}, VertexId{24}, 30, test::random_verification(random_, 15, 40, 40)};
-    CheckpointWrite checkpoint;
-    checkpoint.phase = "exploration";
-    checkpoint.parts = std::span(&part, 1);
-    checkpoint.edges = std::span(&edge, 1);
-    checkpoint.verifier = test::test_verifier(db);
-    save_checkpoint(db, job, epoch, checkpoint);
+    MergeState state;
+    state.method = "quickconnect";
+    state.vertices = 40;
+    state.edges.push_back({VertexId{4}, VertexId{24}, 30, test::random_verification(random_, 15, 40, 40), 1});
+    state.verifications = 1;
+    test::save_state(db, job, epoch, state);
     db.commit();
     write_due_segments(store_, {8, 2, 16});
   }
@@ -82,7 +79,7 @@ TEST_F(StoreCheckTest, AWholeStoreHasNoFindingsAndIsCounted) {
   EXPECT_EQ(report.appearances, 40U);
   EXPECT_EQ(report.segments, 2U);
   EXPECT_EQ(report.edges, 39U);
-  EXPECT_EQ(report.checkpoints, 1U);
+  EXPECT_EQ(report.checkpoints, 4U);
   EXPECT_EQ(parts.size(), 8U);
 }
 
@@ -129,6 +126,7 @@ TEST_F(StoreCheckTest, EveryKindOfDamageIsFoundWhereItIs) {
       {"UPDATE edges SET map = 2, u = 0, v = 19 WHERE id = 39", "edges: 39"},
       {"UPDATE edges SET verifier = 99 WHERE id = 9", "edges: row 9"},
       {"UPDATE merges SET map = 1", "merges: 1"},
+      {"UPDATE edges SET votes = 3 WHERE id = 39; UPDATE merges SET parameters = '{\"min_votes\":4}'", "edges: 39"},
       {"UPDATE checkpoints SET bytes = x'00'", "checkpoints: merge 1"},
   };
   for (const auto& [damage, where] : damages) {

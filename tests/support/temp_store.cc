@@ -4,12 +4,15 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
 #include <stdexcept>
 
 #include <openssl/sha.h>
 #include <unistd.h>
 
 #include "core/vocabulary/appearance_vector.h"
+#include "schema/blobs/merge_state_blob.h"
+#include "schema/merge_store.h"
 #include "tests/core/retrieval/random_images.h"
 
 namespace mapweld::test {
@@ -108,6 +111,28 @@ NewImage new_image(std::string_view name, const AppearanceVector& appearances) {
   image.features = static_cast<int>(appearances.appearances.size());
   image.uploaded_at = at(2);
   return image;
+}
+
+void save_state(WriteTransaction& db, JobId job, std::uint64_t epoch, const MergeState& state,
+                std::size_t first_new_edge) {
+  const std::vector<blobs::MergeStatePart> encoded = blobs::encode_merge_state(state, std::nullopt);
+  std::vector<CheckpointPart> parts;
+  for (const blobs::MergeStatePart& part : encoded) parts.push_back({part.name, part.bytes});
+  std::vector<NewEdge> edges;
+  for (std::size_t i = first_new_edge; i < state.edges.size(); ++i) {
+    const MergeEdge& e = state.edges[i];
+    edges.push_back(
+        {.u = e.u, .v = e.v, .votes = e.votes, .verification = e.verification, .verifications = e.verifications});
+  }
+  CheckpointWrite checkpoint;
+  checkpoint.step = state.step;
+  checkpoint.phase = to_string(state.phase);
+  checkpoint.spent = {1.5, state.verifications, state.edges.size()};
+  checkpoint.parts = parts;
+  checkpoint.edges = edges;
+  checkpoint.verifier = test_verifier(db);
+  checkpoint.now = at(3);
+  save_checkpoint(db, job, epoch, checkpoint);
 }
 
 VerifierId test_verifier(WriteTransaction& db) { return intern_verifier(db, "test-1", R"({"min_inliers":12})"); }

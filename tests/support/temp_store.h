@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/merge/merge_state.h"
 #include "schema/data_folder.h"
 #include "schema/edge_store.h"
 #include "schema/map_store.h"
@@ -81,6 +82,10 @@ VocabularyId add_vocabulary(Store& store, std::string_view name = "words", std::
 MapId add_map(Store& store, std::string_view name, VocabularyId vocabulary);
 VertexId add_vertex(Store& store, MapId map, VocabularyId vocabulary, std::string_view name,
                     const AppearanceVector& appearances);
+
+// Writes a state as the checkpoint of a running merge; edges[first_new_edge ...] are new since the last one.
+void save_state(WriteTransaction& db, JobId job, std::uint64_t epoch, const MergeState& state,
+                std::size_t first_new_edge = 0);
 
 // Rows as they would be inserted by the functions above.
 NewMap new_map(std::string_view name, VocabularyId vocabulary);
