@@ -1,0 +1,118 @@
+// A server with a handful of routes, and raw connections to it.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include <gtest/gtest.h>
+#include <httplib.h>
+
+#include "client/contract/json.h"
+#include "server/http/http_server.h"
+#include "tests/server/http/raw_client.h"
+
+namespace mapweld::server {
+
+using mapweld::test::RawClient;
+
+// The routes show what arrived.
+class HttpServerTest : public ::testing::Test {
+ protected:
+  void start(HttpOptions options = {}) {
+    options.port = 0;
+    Router router;
+    router.add({.method = "GET", .pattern = "/hello", .handler = [](const Request&) { return text("hello"); }});
+    router.add({.method = "GET", .pattern = "/query", .query = {"a"}, .handler = [](const Request& request) {
+                  return text(request.query.text("a").value_or("-"));
+                }});
+    router.add(
+        {.method = "POST", .pattern = "/echo", .body = BodyRule::kRequired, .handler = [](const Request& request) {
+           return text(request.body);
+         }});
+    router.add({.method = "POST",
+                .pattern = "/json",
+                .body = BodyRule::kRequired,
+                .json_body = true,
+                .handler = [](const Request& request) { return text(std::to_string(request.body.size())); }});
+    router.add(
+        {.method = "POST", .pattern = "/maybe", .body = BodyRule::kOptional, .handler = [](const Request& request) {
+           return text("[" + request.body + "]");
+         }});
+    router.add({.method = "GET", .pattern = "/slow", .handler = [this](const Request&) {
+                  ++slow_;
+                  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+                  return text("slow");
+                }});
+    router.add({.method = "GET", .pattern = "/fail", .handler = [](const Request&) -> Reply {
+                  throw std::runtime_error("the secret inside");
+                }});
+    router.add({.method = "GET", .pattern = "/stream", .handler = [](const Request&) {
+                  Reply reply = text("");
+                  reply.stream = [](const ChunkWriter& write) {
+                    for (int i = 0; i < 50'000; ++i) {
+                      if (!write("line " + std::to_string(i) + "\n")) return;
+                    }
+                  };
+                  return reply;
+                }});
+    router.add({.method = "GET", .pattern = "/broken-stream", .handler = [](const Request&) {
+                  Reply reply = text("");
+                  reply.stream = [](const ChunkWriter& write) {
+                    write(std::string(100'000, 'x'));
+                    throw std::runtime_error("the disk went away");
+                  };
+                  return reply;
+                }});
+    server_ = std::make_unique<HttpServer>(options, std::move(router), metrics_);
+    port_ = server_->bind();
+    thread_ = std::thread([this] { server_->serve(); });
+  }
+
+  void TearDown() override { stop(); }
+
+  void stop() {
+    if (!thread_.joinable()) return;
+    server_->drain();
+    thread_.join();
+  }
+
+  static Reply text(const std::string& body) {
+    Reply reply;
+    reply.content_type = "text/plain";
+    reply.body = body;
+    return reply;
+  }
+
+  httplib::Client client() const {
+    httplib::Client client("127.0.0.1", port_);
+    client.set_keep_alive(true);
+    return client;
+  }
+
+  // Sends `bytes` on a connection of its own.
+  std::string exchange(std::string_view bytes) const {
+    RawClient raw(port_);
+    raw.send(bytes);
+    return raw.receive();
+  }
+
+  static std::string code(const std::string& reply) {
+    const std::size_t body = reply.find("\r\n\r\n");
+    if (body == std::string::npos) return "no reply";
+    return contract::parse_json(reply.substr(body + 4)).value("code", "");
+  }
+
+  Metrics metrics_;
+  std::atomic<int> slow_{0};
+  std::unique_ptr<HttpServer> server_;
+  int port_ = 0;
+  std::thread thread_;
+};
+
+}  // namespace mapweld::server
