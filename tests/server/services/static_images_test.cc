@@ -11,11 +11,11 @@
 #include "schema/vertex_store.h"
 #include "tests/server/support/services_under_test.h"
 #include "tests/server/support/test_photos.h"
+#include "tests/server/support/uploads.h"
 
 namespace mapweld::test {
 namespace {
 
-using server::BatchOutcome;
 using server::ImageUpload;
 using server::UploadOutcome;
 
@@ -35,18 +35,6 @@ std::vector<std::string> drive() {
     if (wall % 2 == 0) images.push_back(with_text(photo(wall, 4)));
   }
   return images;
-}
-
-// `images` must outlive them.
-std::vector<ImageUpload> name_all(const std::vector<std::string>& images) {
-  std::vector<ImageUpload> uploads;
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    ImageUpload upload;
-    upload.name = "image-" + std::to_string(i);
-    upload.bytes = {reinterpret_cast<const std::uint8_t*>(images[i].data()), images[i].size()};
-    uploads.push_back(upload);
-  }
-  return uploads;
 }
 
 struct Content {
@@ -95,17 +83,7 @@ TEST(StaticImages, AreTheSameMapHoweverTheyAreUploaded) {
     for (const Appearance& a : vector.static_appearances) EXPECT_GE(a.y_px, 190);
   }
   EXPECT_EQ(expected.edges.size(), 5u);
-  struct Variant {
-    int workers;
-    int max_group;
-    std::size_t cache_bytes;
-  };
-  for (const auto& [workers, max_group, cache_bytes] :
-       {Variant{1, 16, 256 << 20}, Variant{4, 16, 256 << 20}, Variant{2, 3, 256 << 20}, Variant{2, 16, 0}}) {
-    ServicesOptions options;
-    options.workers = workers;
-    options.images.max_group = max_group;
-    options.cache_bytes = cache_bytes;  // 0: straight from the store
+  for (const ServicesOptions& options : upload_variants()) {
     ServicesUnderTest services(options);
     services.create_map("lab");
     services.images().upload_batch("lab", {uploads.begin(), uploads.begin() + 6}, std::nullopt);
@@ -113,7 +91,8 @@ TEST(StaticImages, AreTheSameMapHoweverTheyAreUploaded) {
     services.images().upload_batch("lab", {uploads.begin() + 6, uploads.begin() + 9}, std::nullopt);
     services.restart();
     services.images().upload_batch("lab", {uploads.begin() + 9, uploads.end()}, std::nullopt);
-    EXPECT_EQ(content(services.store(), "lab"), expected) << workers << " workers, cache of " << cache_bytes;
+    EXPECT_EQ(content(services.store(), "lab"), expected)
+        << options.workers << " workers, cache of " << options.cache_bytes;
   }
 }
 
