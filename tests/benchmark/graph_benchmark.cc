@@ -106,5 +106,21 @@ void IndependentJoins(benchmark::State& state) {
 }
 BENCHMARK(IndependentJoins)->Arg(610)->Arg(2000)->Unit(benchmark::kMillisecond);
 
+// As many in all between three maps; of images with few edges, where many stay without a mate.
+void IndependentJoinsOfThree(benchmark::State& state) {
+  const auto edge_count = static_cast<std::uint32_t>(state.range(0));
+  const std::uint32_t images = 3 * edge_count / 10;
+  std::mt19937 random(1);
+  std::vector<std::pair<VertexId, VertexId>> edges;
+  for (std::uint32_t k = 0; k < edge_count; ++k) {
+    const auto first = static_cast<std::uint32_t>(random() % 3);
+    const auto second = static_cast<std::uint32_t>((first + 1 + random() % 2) % 3);
+    edges.emplace_back(VertexId{static_cast<std::uint32_t>(first * images + random() % images)},
+                       VertexId{static_cast<std::uint32_t>(second * images + random() % images)});
+  }
+  for (auto _ : state) benchmark::DoNotOptimize(maximum_matching(edges));
+}
+BENCHMARK(IndependentJoinsOfThree)->Arg(6100)->Arg(20000)->Unit(benchmark::kMillisecond);
+
 }  // namespace
 }  // namespace mapweld

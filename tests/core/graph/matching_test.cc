@@ -61,6 +61,19 @@ TEST(MaximumMatching, FindsLongAugmentingPaths) {
   EXPECT_EQ(maximum_matching(edges), k + 1);
 }
 
+// Two triangles at the ends of a path of 2k vertices. Whoever begins with the path's first edge has to undo all of it,
+// from an odd cycle to an odd cycle.
+TEST(MaximumMatching, FindsLongAugmentingPathsBetweenOddCycles) {
+  const std::uint32_t k = 20000;
+  Edges edges;
+  for (std::uint32_t v = 1; v < 2 * k; ++v) edges.emplace_back(VertexId{v - 1}, VertexId{v});
+  for (const auto& [end, corner] : {std::pair{0u, 2 * k}, std::pair{2 * k - 1, 2 * k + 3}}) {
+    edges.emplace_back(VertexId{end}, VertexId{corner});
+    for (std::uint32_t i = 0; i < 3; ++i) edges.emplace_back(VertexId{corner + i}, VertexId{corner + (i + 1) % 3});
+  }
+  EXPECT_EQ(maximum_matching(edges), k + 3);
+}
+
 TEST(MaximumMatching, BetweenTwoSidesIsTheLeastVertexCover) {
   std::mt19937 random(9);
   const Edges edges = random_edges(10, 10, true, 40, 9);
