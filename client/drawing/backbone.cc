@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include <boost/pending/disjoint_sets.hpp>
+
 namespace mapweld::drawing {
 
 std::vector<bool> backbone(std::size_t vertices, std::span<const WeighedEdge> edges, int strongest) {
@@ -10,21 +12,14 @@ std::vector<bool> backbone(std::size_t vertices, std::span<const WeighedEdge> ed
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return edges[a].weight > edges[b].weight; });
 
-  std::vector<std::size_t> parent(vertices);
-  std::iota(parent.begin(), parent.end(), std::size_t{0});
-  const auto root = [&](std::size_t v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
+  boost::disjoint_sets_with_storage<> sets(vertices);
   std::vector<int> taken(vertices, 0);
   std::vector<bool> kept(edges.size(), false);
   for (const std::size_t e : order) {
     const auto [u, v, weight] = edges[e];
     if (u == v) continue;
-    const std::size_t a = root(u);
-    const std::size_t b = root(v);
-    const bool joins = a != b;
-    if (joins) parent[a] = b;
+    const bool joins = sets.find_set(u) != sets.find_set(v);
+    sets.union_set(u, v);
     kept[e] = joins || taken[u] < strongest || taken[v] < strongest;
     ++taken[u];
     ++taken[v];

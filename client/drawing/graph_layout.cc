@@ -5,10 +5,11 @@
 #include <cstdlib>
 #include <limits>
 #include <memory>
-#include <numeric>
+#include <ranges>
 #include <stdexcept>
 #include <string>
 
+#include <boost/pending/disjoint_sets.hpp>
 #include <graphviz/gvc.h>
 
 #ifdef __SANITIZE_ADDRESS__
@@ -34,28 +35,23 @@ struct Parts {
 };
 
 Parts parts_of(std::size_t vertices, std::span<const LayoutEdge> edges) {
-  std::vector<std::size_t> root(vertices);
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](std::size_t v) {
-    while (root[v] != v) v = root[v] = root[root[v]];
-    return v;
-  };
+  boost::disjoint_sets_with_storage<> sets(vertices);
   for (const auto& [u, v] : edges) {
     if (u >= vertices || v >= vertices) throw std::invalid_argument("an edge names a vertex that does not exist");
-    const std::size_t a = find(u);
-    const std::size_t b = find(v);
-    root[std::max(a, b)] = std::min(a, b);
+    sets.union_set(u, v);
   }
+  const auto all = std::views::iota(std::size_t{0}, vertices);
+  sets.normalize_sets(all.begin(), all.end());  // now a set's lowest vertex stands for it
   std::vector<Component> by_root(vertices);
   std::vector<std::size_t> place(vertices);
   for (std::size_t v = 0; v < vertices; ++v) {
-    Component& component = by_root[find(v)];
+    Component& component = by_root[sets.find_set(v)];
     place[v] = component.vertices.size();
     component.vertices.push_back(v);
   }
   for (const auto& [u, v] : edges) {
     if (u == v) continue;
-    by_root[find(u)].edges.push_back({std::min(place[u], place[v]), std::max(place[u], place[v])});
+    by_root[sets.find_set(u)].edges.push_back({std::min(place[u], place[v]), std::max(place[u], place[v])});
   }
   Parts parts;
   for (Component& component : by_root) {

@@ -11,6 +11,7 @@
 
 #include "core/graph/approximate_cholesky.h"
 #include "core/graph/components.h"
+#include "core/graph/disjoint_sets.h"
 #include "core/graph/fiedler_iteration.h"
 #include "core/graph/grounded_laplacian.h"
 #include "core/graph/pseudo_inverse.h"
@@ -39,20 +40,9 @@ std::vector<LaplacianEdge> weighted_edges(const AppearanceGraph& graph, Weightin
 }
 
 bool is_connected(std::uint32_t vertices, const std::vector<LaplacianEdge>& edges) {
-  std::vector<int> parent(vertices);
-  for (std::uint32_t v = 0; v < vertices; ++v) parent[v] = static_cast<int>(v);
-  const auto root = [&parent](int v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
-  std::uint32_t components = vertices;
-  for (const LaplacianEdge& e : edges) {
-    const int a = root(e.u), b = root(e.v);
-    if (a == b) continue;
-    parent[a] = b;
-    --components;
-  }
-  return components == 1;
+  DisjointSets sets(vertices);
+  for (const LaplacianEdge& e : edges) sets.join(static_cast<std::uint32_t>(e.u), static_cast<std::uint32_t>(e.v));
+  return vertices > 0 && sets.size_of(0) == vertices;
 }
 
 // Fills in value, residual and sign for a vector near the Fiedler vector.

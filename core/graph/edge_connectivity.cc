@@ -7,6 +7,7 @@
 
 #include "core/graph/components.h"
 #include "core/graph/degrees.h"
+#include "core/graph/disjoint_sets.h"
 
 namespace mapweld {
 namespace {
@@ -17,14 +18,9 @@ struct Arc {
 };
 using Multigraph = std::vector<std::vector<Arc>>;  // parallel edges merged into one weight
 
-std::uint32_t root(std::vector<std::uint32_t>& parent, std::uint32_t v) {
-  while (parent[v] != v) v = parent[v] = parent[parent[v]];
-  return v;
-}
-
-// One maximum adjacency scan. Joins in `parent` the ends of every edge whose bound reaches `best`, and lowers `best` to
+// One maximum adjacency scan. Joins the ends of every edge whose bound reaches `best`, and lowers `best` to
 // every cut that the scan comes across. Joins at least one pair.
-void scan(const Multigraph& graph, std::uint64_t& best, std::vector<std::uint32_t>& parent) {
+void scan(const Multigraph& graph, std::uint64_t& best, DisjointSets& contracted) {
   const auto n = static_cast<std::uint32_t>(graph.size());
   std::vector<std::uint64_t> attachment(n, 0);
   std::vector<std::uint8_t> scanned(n, 0);
@@ -46,25 +42,25 @@ void scan(const Multigraph& graph, std::uint64_t& best, std::vector<std::uint32_
     for (const Arc& arc : graph[u]) {
       if (scanned[arc.to]) continue;
       attachment[arc.to] += arc.weight;
-      if (attachment[arc.to] >= best) parent[root(parent, arc.to)] = root(parent, u);
+      if (attachment[arc.to] >= best) contracted.join(arc.to, u);
       queue.emplace(attachment[arc.to], arc.to);
     }
   }
 }
 
-Multigraph contract(const Multigraph& graph, std::vector<std::uint32_t>& parent) {
+Multigraph contract(const Multigraph& graph, const DisjointSets& contracted) {
   const auto n = static_cast<std::uint32_t>(graph.size());
   std::vector<std::uint32_t> number(n, 0xFFFFFFFF);
   std::uint32_t count = 0;
   for (std::uint32_t v = 0; v < n; ++v) {
-    std::uint32_t& of_root = number[root(parent, v)];
+    std::uint32_t& of_root = number[contracted.root(v)];
     if (of_root == 0xFFFFFFFF) of_root = count++;
   }
   Multigraph result(count);
   for (std::uint32_t v = 0; v < n; ++v) {
-    const std::uint32_t from = number[root(parent, v)];
+    const std::uint32_t from = number[contracted.root(v)];
     for (const Arc& arc : graph[v]) {
-      const std::uint32_t to = number[root(parent, arc.to)];
+      const std::uint32_t to = number[contracted.root(arc.to)];
       if (from != to) result[from].push_back({to, arc.weight});
     }
   }
@@ -93,10 +89,9 @@ std::uint32_t edge_connectivity(const AppearanceGraph& graph) {
     for (const Neighbour& n : graph.neighbours(VertexId{u})) multigraph[u].push_back({to_index(n.vertex), 1});
   }
   while (multigraph.size() > 1 && best > 1) {
-    std::vector<std::uint32_t> parent(multigraph.size());
-    for (std::uint32_t v = 0; v < parent.size(); ++v) parent[v] = v;
-    scan(multigraph, best, parent);
-    multigraph = contract(multigraph, parent);
+    DisjointSets contracted(static_cast<std::uint32_t>(multigraph.size()));
+    scan(multigraph, best, contracted);
+    multigraph = contract(multigraph, contracted);
     for (const std::vector<Arc>& arcs : multigraph) {
       std::uint64_t degree = 0;
       for (const Arc& arc : arcs) degree += arc.weight;

@@ -1,18 +1,14 @@
 #include "core/graph/sparsify.h"
 
 #include <algorithm>
-#include <numeric>
 #include <random>
+
+#include "core/graph/disjoint_sets.h"
 
 namespace mapweld {
 
 std::vector<LaplacianEdge> sparsify(int vertices, std::span<const LaplacianEdge> edges, double oversampling) {
-  std::vector<int> parent(vertices);
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&parent](int v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
+  DisjointSets sets(static_cast<std::uint32_t>(vertices));
   std::vector<double> degree(vertices, 0);
   for (const LaplacianEdge& e : edges) {
     degree[e.u] += e.weight;
@@ -23,9 +19,7 @@ std::vector<LaplacianEdge> sparsify(int vertices, std::span<const LaplacianEdge>
   kept.reserve(edges.size());
   for (const LaplacianEdge& e : edges) {
     const double drawn = static_cast<double>(random() >> 11) * 0x1p-53;
-    const int a = root(e.u), b = root(e.v);
-    if (a != b) {
-      parent[a] = b;
+    if (sets.join(static_cast<std::uint32_t>(e.u), static_cast<std::uint32_t>(e.v))) {
       kept.push_back(e);
       continue;
     }

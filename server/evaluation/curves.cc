@@ -3,40 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <numeric>
 #include <utility>
 
 #include "core/graph/algebraic_connectivity.h"
 #include "core/graph/components.h"
+#include "core/graph/disjoint_sets.h"
 #include "core/graph/matching.h"
 
 namespace mapweld::server::evaluation {
 namespace {
 
 constexpr double kRounding = 1e-9;
-
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t size) : parent_(size), sets_(size) {
-    std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = root(a);
-    b = root(b);
-    if (a == b) return;
-    parent_[std::max(a, b)] = std::min(a, b);
-    --sets_;
-  }
-  std::size_t sets() const { return sets_; }
-
- private:
-  std::uint32_t root(std::uint32_t a) {
-    while (parent_[a] != a) a = parent_[a] = parent_[parent_[a]];
-    return a;
-  }
-  std::vector<std::uint32_t> parent_;
-  std::size_t sets_;
-};
 
 }  // namespace
 
@@ -71,14 +48,16 @@ double FinalComponent::connectivity(std::span<const RecordedEdge> edges) const {
 }
 
 std::optional<std::uint64_t> FinalComponent::edges_to_connect(std::span<const RecordedEdge> edges) const {
-  DisjointSets sets(vertices_.size());
+  if (vertices_.empty()) return 0;
+  DisjointSets sets(static_cast<std::uint32_t>(vertices_.size()));
   for (const Edge& e : inner_.edge_list()) sets.join(to_index(e.u), to_index(e.v));
-  if (sets.sets() <= 1) return 0;
+  const auto is_one = [&sets, this] { return sets.size_of(0) == vertices_.size(); };
+  if (is_one()) return 0;
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const std::uint32_t u = place_[to_index(edges[i].u)], v = place_[to_index(edges[i].v)];
     if (u == kOutside || v == kOutside) continue;
     sets.join(u, v);
-    if (sets.sets() == 1) return i + 1;
+    if (is_one()) return i + 1;
   }
   return std::nullopt;
 }

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "core/graph/approximate_cholesky.h"
 #include "core/graph/components.h"
+#include "core/graph/disjoint_sets.h"
 #include "core/graph/fiedler_iteration.h"
 #include "core/graph/sparsify.h"
 
@@ -42,21 +42,8 @@ std::vector<OpenCandidate> remaining(const AppearanceGraph& graph, std::span<con
   return result;
 }
 
-class DisjointSets {
- public:
-  explicit DisjointSets(std::uint32_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t root(std::uint32_t a) {
-    while (parent_[a] != a) a = parent_[a] = parent_[parent_[a]];
-    return a;
-  }
-  void join(std::uint32_t a, std::uint32_t b) { parent_[root(a)] = root(b); }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
-
 // Vertices of other components in the same set as K.
-std::uint32_t brought_in(const Components& components, std::uint32_t largest, DisjointSets& sets) {
+std::uint32_t brought_in(const Components& components, std::uint32_t largest, const DisjointSets& sets) {
   std::uint32_t vertices = 0;
   for (std::uint32_t c = 0; c < components.count(); ++c) {
     if (c != largest && sets.root(c) == sets.root(largest)) vertices += components.sizes[c];
