@@ -3,18 +3,14 @@
 #include <bit>
 #include <vector>
 
+#include "core/random.h"
+
 namespace mapweld {
 namespace {
 
 constexpr double kLn2 = 0.693147180559945309417232121458;
 constexpr double kLn10 = 2.302585092994045684017991454684;
 constexpr double kPi = 3.141592653589793238462643383280;
-
-std::uint64_t mix(std::uint64_t z) {
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
-  return z ^ (z >> 31);
-}
 
 // log10 of the factorials of 0 .. 65535.
 const std::vector<double>& log10_factorials() {
@@ -79,21 +75,15 @@ Rotation portable_rotation(double angle_deg) {
 }
 
 std::uint64_t content_hash(const AppearanceVector& image) {
-  std::uint64_t h = mix(static_cast<std::uint64_t>(image.width_px) << 32 | static_cast<std::uint32_t>(image.height_px));
+  std::uint64_t h =
+      mix_bits(static_cast<std::uint64_t>(image.width_px) << 32 | static_cast<std::uint32_t>(image.height_px));
   const auto bits = [](float f) { return std::uint64_t{std::bit_cast<std::uint32_t>(f)}; };
   for (const Appearance& a : image.appearances) {
-    h = mix(h + to_index(a.word) + 0x9e3779b97f4a7c15ULL);
-    h ^= mix((bits(a.x_px) << 32 | bits(a.y_px)) + h);
-    h ^= mix((bits(a.scale_px) << 32 | bits(a.angle_deg)) + 3 * h);
+    h = mix_bits(h + to_index(a.word) + kGoldenGamma);
+    h ^= mix_bits((bits(a.x_px) << 32 | bits(a.y_px)) + h);
+    h ^= mix_bits((bits(a.scale_px) << 32 | bits(a.angle_deg)) + 3 * h);
   }
   return h;
 }
-
-std::uint64_t SampleSequence::next() {
-  state_ += 0x9e3779b97f4a7c15ULL;
-  return mix(state_);
-}
-
-std::uint32_t SampleSequence::below(std::uint32_t n) { return static_cast<std::uint32_t>(((next() >> 32) * n) >> 32); }
 
 }  // namespace mapweld

@@ -26,16 +26,4 @@ Rotation portable_rotation(double angle_deg);
 // A 64-bit hash of what an image shows: its size and appearances, nothing else.
 std::uint64_t content_hash(const AppearanceVector& image);
 
-// Random numbers for sampling (SplitMix64, Steele et al. 2014): the same sequence for the same seed, everywhere.
-class SampleSequence {
- public:
-  explicit SampleSequence(std::uint64_t seed) : state_(seed) {}
-  std::uint64_t next();
-  // Uniform in [0, n), n > 0 (Lemire's multiplication; its bias is below n / 2^32).
-  std::uint32_t below(std::uint32_t n);
-
- private:
-  std::uint64_t state_;
-};
-
 }  // namespace mapweld

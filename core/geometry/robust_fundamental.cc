@@ -4,16 +4,17 @@
 #include <array>
 
 #include "core/geometry/portable_math.h"
+#include "core/random.h"
 
 namespace mapweld {
 namespace {
 
-std::array<std::uint32_t, 7> draw_seven(SampleSequence& random, std::uint32_t n) {
+std::array<std::uint32_t, 7> draw_seven(SplitMix64& random, std::uint32_t n) {
   std::array<std::uint32_t, 7> sample{};
   for (int i = 0; i < 7; ++i) {
     std::uint32_t v = 0;
     do {
-      v = random.below(n);
+      v = random.below32(n);
     } while (std::find(sample.begin(), sample.begin() + i, v) != sample.begin() + i);
     sample[i] = v;
   }
@@ -64,7 +65,7 @@ RobustFundamental robust_fundamental(const Correspondences& c, std::uint64_t see
     return true;
   };
 
-  SampleSequence random(seed);
+  SplitMix64 random(seed);
   std::array<Matrix3, 3> solutions;
   int needed = options.max_samples;
   for (best.samples = 0; best.samples < needed; ++best.samples) {

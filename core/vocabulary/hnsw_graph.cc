@@ -12,9 +12,9 @@
 #include <hnswlib/hnswlib.h>
 
 #include "core/errors.h"
+#include "core/random.h"
 #include "core/vocabulary/byte_stream.h"
 #include "core/vocabulary/distance.h"
-#include "core/vocabulary/random.h"
 
 namespace mapweld {
 namespace {

@@ -7,9 +7,9 @@
 #include <thread>
 
 #include "core/errors.h"
+#include "core/random.h"
 #include "core/vocabulary/distance.h"
 #include "core/vocabulary/hierarchical_start.h"
-#include "core/vocabulary/random.h"
 
 namespace mapweld {
 namespace {

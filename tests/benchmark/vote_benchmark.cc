@@ -6,18 +6,12 @@
 
 #include <benchmark/benchmark.h>
 
+#include "core/random.h"
 #include "core/retrieval/inverted_index.h"
 #include "core/retrieval/voting.h"
 
 namespace mapweld {
 namespace {
-
-std::uint64_t next_random(std::uint64_t& state) {  // SplitMix64 (Steele, Lea & Flood 2014)
-  std::uint64_t z = state += 0x9E3779B97F4A7C15ull;
-  z = (z ^ z >> 30) * 0xBF58476D1CE4E5B9ull;
-  z = (z ^ z >> 27) * 0x94D049BB133111EBull;
-  return z ^ z >> 31;
-}
 
 // Images of made-up words. Signatures of a word are strewn round one of its own, so that of two features of it about
 // one pair in ten agrees, as in photographs.

@@ -11,7 +11,7 @@
 // libjpeg's header needs <cstdio> before it.
 #include <jpeglib.h>
 
-#include "core/vocabulary/random.h"
+#include "core/random.h"
 
 namespace mapweld::test {
 namespace {

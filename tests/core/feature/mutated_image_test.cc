@@ -10,7 +10,7 @@
 
 #include "core/errors.h"
 #include "core/feature/decode.h"
-#include "core/vocabulary/random.h"
+#include "core/random.h"
 #include "tests/core/feature/image_files.h"
 #include "tests/core/feature/png_files.h"
 

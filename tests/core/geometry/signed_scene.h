@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/random.h"
 #include "core/types.h"
-#include "core/vocabulary/random.h"
 #include "tests/core/geometry/two_view_scene.h"
 
 namespace mapweld::test {

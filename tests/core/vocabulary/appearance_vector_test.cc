@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/vocabulary/random.h"
+#include "core/random.h"
 #include "core/vocabulary/signature.h"
 
 namespace mapweld {

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/random.h"
 #include "core/types.h"
-#include "core/vocabulary/random.h"
 
 namespace mapweld::test {
 

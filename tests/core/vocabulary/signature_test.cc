@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/vocabulary/random.h"
+#include "core/random.h"
 
 namespace mapweld {
 namespace {

@@ -8,15 +8,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/random.h"
+
 namespace mapweld::rendered {
 
-// SplitMix64's output function (Steele, Lea, Flood, "Fast splittable pseudorandom number generators", 2014).
-constexpr std::uint64_t mix(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15ULL;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
-  return x ^ (x >> 31);
-}
+// SplitMix64's first number from the seed `x`.
+constexpr std::uint64_t mix(std::uint64_t x) { return next_random(x); }
 
 // A hash of whole numbers, in order.
 template <typename... Parts>
@@ -31,11 +28,7 @@ class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(mix(seed)) {}
 
-  std::uint64_t next() {
-    const std::uint64_t value = mix(state_);
-    state_ += 0x9e3779b97f4a7c15ULL;
-    return value;
-  }
+  std::uint64_t next() { return next_random(state_); }
   // In [0, 1).
   double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
