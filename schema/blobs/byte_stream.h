@@ -1,4 +1,4 @@
-// Writing and reading the bytes of blobs: little-endian numbers, LEB128 varints, and the frame around every blob.
+// Writing and reading the bytes of blobs: little-endian numbers, varints, and the frame around every blob.
 //
 // The frame: byte 0 names the format (an ASCII letter), byte 1 its version, bytes 2 .. 5 are the CRC-32 (zlib's, that
 // is IEEE 802.3; little-endian) of byte 0, byte 1 and the payload, which follows from byte 6 to the end.
@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "schema/blobs/varint.h"
 #include "schema/store_error.h"
 
 namespace mapweld::blobs {
@@ -35,14 +36,7 @@ class ByteWriter {
     u16(static_cast<std::uint16_t>(value >> 16));
   }
   void f64(double value);
-  // 7 bits a byte, the lowest first; the high bit says that more follow.
-  void varint(std::uint64_t value) {
-    while (value >= 0x80) {
-      bytes_.push_back(static_cast<std::uint8_t>(value | 0x80));
-      value >>= 7;
-    }
-    bytes_.push_back(static_cast<std::uint8_t>(value));
-  }
+  void varint(std::uint64_t value) { append_varint(bytes_, value); }
   // Small numbers of either sign: 0, -1, 1, -2, ... as 0, 1, 2, 3, ...
   void zigzag(std::int64_t value) {
     varint((static_cast<std::uint64_t>(value) << 1) ^ static_cast<std::uint64_t>(value >> 63));
@@ -80,13 +74,7 @@ class ByteReader {
   }
   double f64();
   std::uint64_t varint() {
-    std::uint64_t value = 0;
-    for (int shift = 0; shift < 64; shift += 7) {
-      need(1);
-      const std::uint8_t byte = *at_++;
-      value |= std::uint64_t{byte & 0x7fU} << shift;
-      if (byte < 0x80) return value;
-    }
+    if (const auto value = read_varint(at_, end_)) return *value;
     corrupt("a varint does not end");
   }
   // A varint of at most `most`.

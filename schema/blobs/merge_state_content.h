@@ -11,6 +11,7 @@
 
 #include "core/types.h"
 #include "schema/blobs/merge_state_blob.h"
+#include "schema/blobs/varint.h"
 
 namespace mapweld::blobs {
 
@@ -24,10 +25,7 @@ class MergeStateContent {
   void u64(std::uint64_t value) {
     for (int shift = 0; shift < 64; shift += 8) bytes_.push_back(static_cast<std::uint8_t>(value >> shift));
   }
-  void varint(std::uint64_t value) {
-    for (; value >= 0x80; value >>= 7) bytes_.push_back(static_cast<std::uint8_t>(value | 0x80));
-    bytes_.push_back(static_cast<std::uint8_t>(value));
-  }
+  void varint(std::uint64_t value) { append_varint(bytes_, value); }
   void text(std::string_view value) {
     varint(value.size());
     bytes_.insert(bytes_.end(), value.begin(), value.end());
@@ -78,13 +76,11 @@ class MergeStateContentReader {
     return value;
   }
   std::uint64_t varint() {
-    std::uint64_t value = 0;
-    for (int shift = 0; shift < 64; shift += 7) {
-      const std::uint8_t byte = u8();
-      value |= std::uint64_t{byte & 0x7fU} << shift;
-      if (byte < 0x80) return value;
-    }
-    fail();
+    const std::uint8_t* at = bytes_.data() + at_;
+    const auto value = read_varint(at, bytes_.data() + bytes_.size());
+    if (!value) fail();
+    at_ = static_cast<std::size_t>(at - bytes_.data());
+    return *value;
   }
   std::uint32_t varint32() {
     const std::uint64_t value = varint();

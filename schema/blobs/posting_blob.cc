@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/errors.h"
+#include "schema/blobs/varint.h"
 
 namespace mapweld::blobs {
 namespace {
@@ -12,26 +13,16 @@ constexpr char kFormat = 'P';
 constexpr std::uint8_t kWithoutSignatures = 1;
 constexpr std::uint8_t kWithSignatures = 2;
 constexpr std::ptrdiff_t kSignatureBytes = 8;
-constexpr std::uint64_t kMostOfVertex = 1u << 24;  // no image has so many features
-
-void append_varint(Bytes& bytes, std::uint64_t value) {
-  for (; value >= 0x80; value >>= 7) bytes.push_back(static_cast<std::uint8_t>(value | 0x80));
-  bytes.push_back(static_cast<std::uint8_t>(value));
-}
+constexpr std::uint64_t kMostOfVertex = 1u << 24;              // no image has so many features
+constexpr std::uint64_t kMostInList = std::uint64_t{1} << 33;  // a vertex's number and a bit
 
 [[noreturn]] void corrupt(const char* what) {
   throw StoreError(StoreErrorKind::kCorrupt, std::string("blob 'P' is damaged: ") + what);
 }
 
-std::uint64_t read_varint(const std::uint8_t*& at, const std::uint8_t* end) {
-  std::uint64_t value = 0;
-  for (int shift = 0; shift < 35; shift += 7) {
-    if (at == end) corrupt("a list ends too early");
-    const std::uint8_t byte = *at++;
-    value |= std::uint64_t{byte & 0x7fU} << shift;
-    if (byte < 0x80) return value;
-  }
-  corrupt("a varint does not end");
+std::uint64_t read_number(const std::uint8_t*& at, const std::uint8_t* end) {
+  if (const auto value = read_varint(at, end); value && *value <= kMostInList) return *value;
+  corrupt("a number does not end");
 }
 
 }  // namespace
@@ -114,11 +105,11 @@ void PostingBlock::postings(std::size_t i, PostingList& out) const {
   std::ptrdiff_t postings = 0;
   std::uint64_t next = 0;
   while (end - at > postings * bytes_each) {
-    const std::uint64_t head = read_varint(at, end);
+    const std::uint64_t head = read_number(at, end);
     const std::uint64_t vertex = next + (head >> 1);
     if (vertex >= vertices_) corrupt("a posting lies outside its segment");
     std::uint64_t count = 1;
-    if ((head & 1) != 0) count = 2 + read_varint(at, end);
+    if ((head & 1) != 0) count = 2 + read_number(at, end);
     if (count > kMostOfVertex) corrupt("a count is too large");
     out.vertices.insert(out.vertices.end(), count, VertexId{static_cast<std::uint32_t>(first_vertex_ + vertex)});
     postings += static_cast<std::ptrdiff_t>(count);
