@@ -8,6 +8,7 @@
 #include "schema/blobs/evidence_blob.h"
 #include "schema/blobs/judgement_blob.h"
 #include "schema/edge_rows.h"
+#include "schema/rows.h"
 
 namespace mapweld {
 namespace {
@@ -36,9 +37,7 @@ struct JudgementColumns {
 EdgeJudgement read_judgement(const sqlite::Statement& row, int column) {
   EdgeJudgement judgement;
   judgement.confidence = row.optional_real(column);
-  const std::optional<Reason> doubt = parse_reason(row.optional_text(column + 1).value_or(""));
-  if (!doubt) throw StoreError(StoreErrorKind::kCorrupt, "an edge is doubted for a reason that nobody knows");
-  judgement.doubt = *doubt;
+  judgement.doubt = rows::reason(row, column + 1);
   if (!row.is_null(column + 2)) judgement.made_of = blobs::decode_judgement(row.blob(column + 2));
   return judgement;
 }

@@ -2,8 +2,12 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
+#include <string>
 
+#include "core/types.h"
 #include "schema/database.h"
+#include "schema/store_error.h"
 #include "schema/store_types.h"
 
 namespace mapweld::rows {
@@ -30,6 +34,14 @@ inline Sha256 sha256(const sqlite::Statement& row, int column) {
   const auto blob = row.blob(column);
   std::copy_n(blob.begin(), std::min(blob.size(), hash.size()), hash.begin());
   return hash;
+}
+
+// NULL is kNone, as an empty word is.
+inline Reason reason(const sqlite::Statement& row, int column) {
+  const std::string word = row.optional_text(column).value_or("");
+  const std::optional<Reason> known = parse_reason(word);
+  if (!known) throw StoreError(StoreErrorKind::kCorrupt, "'" + word + "' is no known reason");
+  return *known;
 }
 
 }  // namespace mapweld::rows

@@ -1,7 +1,6 @@
 #include "schema/vertex_store.h"
 
 #include <algorithm>
-#include <array>
 #include <stdexcept>
 #include <string>
 
@@ -15,16 +14,6 @@ constexpr std::string_view kColumns =
     "SELECT id, map, vertex, name, sha256, media_type, width_px, height_px, features, captured_at_us, sequence, "
     "sequence_index, camera, reason, similar_to, inliers, uploaded_at_us, deleted_at_us, static_features "
     "FROM images ";
-
-Reason parse_reason(std::string_view word) {
-  constexpr std::array kReasons = {Reason::kNone,          Reason::kTooFewFeatures, Reason::kNoCandidate,
-                                   Reason::kTooFewInliers, Reason::kNotSignificant, Reason::kInconsistent,
-                                   Reason::kUnsupported};
-  for (const Reason reason : kReasons) {
-    if (to_string(reason) == word) return reason;
-  }
-  throw StoreError(StoreErrorKind::kCorrupt, "'" + std::string(word) + "' is no known reason");
-}
 
 constexpr std::string_view kIdenticalWord = "identical";
 
@@ -47,7 +36,7 @@ ImageRow read_row(const sqlite::Statement& row) {
   if (image.similar_to && row.text(13) == kIdenticalWord) {
     image.ignored_reason = IgnoredReason::kIdentical;
   } else {
-    image.reason = parse_reason(row.text(13));
+    image.reason = rows::reason(row, 13);
   }
   image.inliers = static_cast<int>(row.integer(15));
   image.uploaded_at = rows::timestamp(row, 16);

@@ -188,7 +188,7 @@ RejectedPair read_rejected_pair(MergeStateContentReader& content) {
   pair.source = VertexId{content.varint32()};
   pair.target = VertexId{content.varint32()};
   const std::uint8_t reason = content.u8();
-  if (reason > static_cast<std::uint8_t>(Reason::kUnsupported)) content.fail();
+  if (reason > static_cast<std::uint8_t>(Reason::kAmbiguous)) content.fail();
   pair.reason = static_cast<Reason>(reason);
   pair.matches = u16();
   pair.inliers = u16();
