@@ -8,6 +8,7 @@
 
 #include "core/geometry/epipolar_verifier.h"
 #include "core/geometry/nearest_signatures.h"
+#include "core/geometry/view_overlap.h"
 #include "tests/core/geometry/signed_scene.h"
 
 namespace mapweld {
@@ -195,6 +196,39 @@ TEST(SignaturesInTheVerifier, AThingAloneIsRefusedWhenNothingAroundItMatches) {
     EXPECT_EQ(refused.reason, Reason::kInconsistent) << seed;
     EXPECT_TRUE(EpipolarVerifier({.signatures = false}).verify(lost.a, lost.b).accepted) << seed << ": words would";
   }
+}
+
+// Enough of the matches agree with others for a geometry to be looked for; what it leaves is too little. Some of the
+// things have moved together between the two views, so that they support each other and no common geometry.
+TEST(SignaturesInTheVerifier, AThingIsRefusedWhenTheGeometryLeavesTooFewAroundIt) {
+  const EpipolarVerifier verifier;
+  int refused_at_the_end = 0, accepted = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    for (const int clutter : {300, 560, 620, 680}) {
+      test::SignedScene scene = test::signed_scene(
+          {.seed = seed, .points = 40, .outliers = 0, .clutter = clutter, .flat = true}, 40, 8);
+      int moved = 0;
+      for (const auto& [i, j] : scene.true_matches) {
+        if (moved < 6) scene.b.appearances[j].y_px += scene.b.appearances[j].y_px < 200 ? 40 : -40;
+        if (moved >= 6 && moved < 12) scene.b.appearances[j].x_px += scene.b.appearances[j].x_px < 200 ? 40 : -40;
+        ++moved;
+      }
+      std::ranges::sort(scene.b.appearances);
+      const Verification v = verifier.verify(scene.a, scene.b);
+      const double share = view_overlap(scene.a, scene.b, v.inlier_matches).matched_share;
+      // Only the last of the tests has inliers to show.
+      if (v.reason == Reason::kInconsistent && v.inliers >= 10 && !v.inlier_matches.empty()) {
+        ++refused_at_the_end;
+        EXPECT_LT(share, 0.06);
+      }
+      if (v.accepted) {
+        ++accepted;
+        EXPECT_GE(share, 0.06) << seed << ' ' << clutter;
+      }
+    }
+  }
+  EXPECT_GT(refused_at_the_end, 3);
+  EXPECT_GT(accepted, 3);
 }
 
 TEST(SignaturesInTheVerifier, AreLeftOutWhenOneImageHasNone) {

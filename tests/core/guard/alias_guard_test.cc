@@ -60,6 +60,22 @@ TEST(AliasGuard, OneWordIsTwoThingsWhereSignaturesSaySo) {
   EXPECT_EQ(different.verdicts()[0].evidence.signs.rare_matches, 60);
 }
 
+// Two drives of one street: what an image has nowhere else in its own map, the other map has where the same place is,
+// and that is no reason to think it common.
+TEST(AliasGuard, WhatIsRareIsSoInItsOwnMap) {
+  GuardWorld world({60, 60});
+  for (std::uint32_t i = 0; i < 60; ++i) {
+    for (std::size_t f = 0; f < 100; ++f) {
+      world.set_word(world.at(1, i), f, static_cast<std::uint32_t>(1000 * (world.at(0, i) + 1) + f));
+    }
+  }
+  world.join(world.at(0, 20), world.at(1, 20));
+  const EdgeSigns signs = world.verdicts()[0].evidence.signs;
+  EXPECT_EQ(signs.rare_matches, 60);
+  EXPECT_EQ(signs.common_share, 0);
+  EXPECT_EQ(signs.far_images, 60u - 9u) << "of one map: all but the image, its links, and theirs";
+}
+
 // Three images a map: nothing is far enough to test rarity, and what is left must do.
 TEST(AliasGuard, RaritySaysNothingWhereNoImageIsFar) {
   GuardWorld world({3, 3});
