@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "core/popcount_avx2.h"
+#include "core/popcount_kernels.h"
 
 namespace mapweld {
 namespace {
@@ -125,8 +125,6 @@ MAPWELD_AVX2 void compare_avx2(const Signature& row, std::uint32_t i, std::size_
   offer_all(best, second, own);
 }
 
-#define MAPWELD_AVX512 __attribute__((target("avx2,avx512f,avx512vpopcntdq")))
-
 // With a mask of all lanes: GCC 12 warns of the plain forms.
 MAPWELD_AVX512 inline __m512i least_avx512(__m512i a, __m512i b) { return _mm512_maskz_min_epu32(0xFFFF, a, b); }
 MAPWELD_AVX512 inline __m512i greatest_avx512(__m512i a, __m512i b) { return _mm512_maskz_max_epu32(0xFFFF, a, b); }
@@ -171,24 +169,10 @@ MAPWELD_AVX512 void compare_avx512(const Signature& row, std::uint32_t i, std::s
   offer_all(_mm256_min_epu32(low, high), _mm256_min_epu32(_mm256_max_epu32(low, high), seconds), own);
 }
 
-#endif
-
-Kernel kernel(PopcountSimd limit) {
-#ifdef MAPWELD_X86_KERNELS
-  static const PopcountSimd widest = widest_popcount();
-  switch (std::min(limit, widest)) {
-    case PopcountSimd::kAvx512:
-      return compare_avx512;
-    case PopcountSimd::kAvx2:
-      return compare_avx2;
-    case PopcountSimd::kScalar:
-      break;
-  }
+constexpr PopcountKernels<Kernel> kKernels{compare_scalar, compare_avx2, compare_avx512};
 #else
-  static_cast<void>(limit);
+constexpr PopcountKernels<Kernel> kKernels{compare_scalar};
 #endif
-  return compare_scalar;
-}
 
 NearestSignature told(std::uint32_t best, std::uint32_t second) {
   if (best == kNobody) return {};
@@ -205,7 +189,7 @@ int hamming_distance(const Signature& a, const Signature& b) {
 
 NearestSignatures nearest_signatures(std::span<const Signature> a, std::span<const Signature> b,
                                      std::span<const Compared> compared, PopcountSimd limit) {
-  const Kernel compare = kernel(limit);
+  const Kernel compare = kKernels.widest(limit);
   std::vector<Block> blocks = in_blocks(b);
   NearestSignatures nearest;
   nearest.of_a.reserve(a.size());

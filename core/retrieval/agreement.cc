@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/popcount_avx2.h"
+#include "core/popcount_kernels.h"
 
 namespace mapweld {
 namespace {
@@ -49,8 +49,6 @@ MAPWELD_AVX2 void find_avx2(VoteSignature query, const VoteSignature* list, std:
   }
 }
 
-#define MAPWELD_AVX512 __attribute__((target("avx2,avx512f,avx512vpopcntdq")))
-
 MAPWELD_AVX512 void find_avx512(VoteSignature query, const VoteSignature* list, std::size_t size,
                                 std::uint64_t* agreeing) {
   const __m512i all_query = _mm512_set1_epi64(static_cast<long long>(query));
@@ -69,24 +67,10 @@ MAPWELD_AVX512 void find_avx512(VoteSignature query, const VoteSignature* list, 
   }
 }
 
-#endif
-
-Kernel kernel(PopcountSimd limit) {
-#ifdef MAPWELD_X86_KERNELS
-  static const PopcountSimd widest = widest_popcount();
-  switch (std::min(limit, widest)) {
-    case PopcountSimd::kAvx512:
-      return find_avx512;
-    case PopcountSimd::kAvx2:
-      return find_avx2;
-    case PopcountSimd::kScalar:
-      break;
-  }
+constexpr PopcountKernels<Kernel> kKernels{find_scalar, find_avx2, find_avx512};
 #else
-  static_cast<void>(limit);
+constexpr PopcountKernels<Kernel> kKernels{find_scalar};
 #endif
-  return find_scalar;
-}
 
 }  // namespace
 
@@ -97,7 +81,7 @@ void find_agreeing(VoteSignature query, std::span<const VoteSignature> list, std
     if (list.size() % 64 != 0) agreeing[list.size() / 64] = (std::uint64_t{1} << list.size() % 64) - 1;
     return;
   }
-  kernel(limit)(query, list.data(), list.size(), agreeing);
+  kKernels.widest(limit)(query, list.data(), list.size(), agreeing);
 }
 
 }  // namespace mapweld
