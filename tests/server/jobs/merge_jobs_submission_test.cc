@@ -1,9 +1,12 @@
 // What may be submitted, and what is refused without a trace.
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
 #include <gtest/gtest.h>
 
+#include "client/contract/merge.h"
+#include "core/merge/merge_options.h"
 #include "schema/map_store.h"
 #include "server/jobs/merge_jobs.h"
 #include "tests/server/jobs/stored_toy_maps.h"
@@ -37,6 +40,11 @@ class MergeJobsSubmission : public ::testing::Test {
   test::TempStore store_;
   std::unique_ptr<MergeJobs> jobs_;
 };
+
+// The client includes no core: both have the list.
+TEST(MergeMethods, AreThoseThatTheContractNames) {
+  EXPECT_TRUE(std::ranges::equal(merge_methods(), contract::kMergeMethods));
+}
 
 TEST_F(MergeJobsSubmission, RefusesBrokenRequests) {
   expect_refused("too_few_members", [](MergeRequest& r) { r.maps = {}; });
