@@ -1,9 +1,7 @@
 #include "server/jobs/merge_submission.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <random>
 #include <set>
 #include <string>
 #include <vector>
@@ -14,27 +12,12 @@
 #include "schema/map_store.h"
 #include "schema/merge_store.h"
 #include "server/jobs/merge_job_rows.h"
+#include "server/services/uuid.h"
 
 namespace mapweld::server {
 namespace {
 
 [[noreturn]] void refuse(const char* code, const std::string& detail) { throw MergeJobError(code, detail); }
-
-// A version 4 UUID (RFC 9562).
-std::string make_uuid() {
-  std::random_device entropy;
-  std::array<unsigned, 16> bytes{};
-  for (unsigned& byte : bytes) byte = entropy() & 0xFF;
-  bytes[6] = (bytes[6] & 0x0F) | 0x40;
-  bytes[8] = (bytes[8] & 0x3F) | 0x80;
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); ++i) {
-    if (i == 4 || i == 6 || i == 8 || i == 10) text += '-';
-    text += "0123456789abcdef"[bytes[i] >> 4];
-    text += "0123456789abcdef"[bytes[i] & 15];
-  }
-  return text;
-}
 
 void check(const MergeParameters& parameters) {
   if (parameters.min_votes < 1 || parameters.min_votes > 65535) {

@@ -1,4 +1,4 @@
-// SHA-256 and random ids.
+// SHA-256.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,5 @@ namespace mapweld::server {
 Sha256 sha256(std::span<const std::uint8_t> bytes);
 
 std::string to_hex(const Sha256& hash);
-
-// A version 4 UUID (RFC 9562), lower case.
-std::string make_uuid();
 
 }  // namespace mapweld::server

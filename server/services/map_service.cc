@@ -15,6 +15,7 @@
 #include "server/services/map_lookup.h"
 #include "server/services/paging.h"
 #include "server/services/times.h"
+#include "server/services/uuid.h"
 
 namespace mapweld::server {
 namespace {
