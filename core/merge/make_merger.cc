@@ -68,6 +68,17 @@ void check(const MergeInput& input) {
   if (!input.appearances || !input.verifier) throw std::invalid_argument("a merge needs appearances and a verifier");
 }
 
+// A fresh state that has the verdicts of one before.
+MergeState begin_anew(MergeState state, MergeState before) {
+  state.step = before.step;
+  state.verifications = before.verifications;
+  state.edges = std::move(before.edges);
+  state.rejected = std::move(before.rejected);
+  state.inherited_edges = state.edges.size();
+  state.inherited_rejected = state.rejected.size();
+  return state;
+}
+
 }  // namespace
 
 const std::vector<std::string_view>& merge_methods() {
@@ -94,6 +105,11 @@ std::unique_ptr<Merger> make_merger(MergeInput input) {
 std::unique_ptr<Merger> make_merger(MergeInput input, MergeState state) {
   std::unique_ptr<Merger> merger = make_merger(std::move(input));
   if (state.method != merger->state().method) throw FormatError("a checkpoint of another merge method");
+  if (state.input_fingerprint == merger->former_fingerprint_ &&
+      state.rules_fingerprint == merger->state().rules_fingerprint) {
+    merger->resume(begin_anew(merger->state(), std::move(state)));
+    return merger;
+  }
   if (state.input_fingerprint != merger->state().input_fingerprint ||
       state.rules_fingerprint != merger->state().rules_fingerprint) {
     throw FormatError("a checkpoint of other maps, other options or another verifier");
@@ -108,14 +124,7 @@ std::unique_ptr<Merger> make_grown_merger(MergeInput input, MergeState before) {
   if (before.rules_fingerprint != merger->state().rules_fingerprint) {
     throw FormatError("a checkpoint of another method, other options or another verifier");
   }
-  MergeState state = merger->state();
-  state.step = before.step;
-  state.verifications = before.verifications;
-  state.edges = std::move(before.edges);
-  state.rejected = std::move(before.rejected);
-  state.inherited_edges = state.edges.size();
-  state.inherited_rejected = state.rejected.size();
-  merger->resume(std::move(state));
+  merger->resume(begin_anew(merger->state(), std::move(before)));
   return merger;
 }
 

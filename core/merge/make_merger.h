@@ -12,7 +12,9 @@ namespace mapweld {
 // A fresh merge. Throws std::invalid_argument for an unknown method, fewer than two members, or options out of range.
 std::unique_ptr<Merger> make_merger(MergeInput input);
 
-// Goes on from `state`. Throws FormatError when it belongs to another method, other members or other options.
+// Goes on from `state`. Throws FormatError when it belongs to another method, other members or other options. A state
+// of a program that went through several pairs of members one after the other where there is one order now keeps its
+// verdicts, and its search begins anew, as if its members had grown: its input_fingerprint is then another one.
 std::unique_ptr<Merger> make_merger(MergeInput input, MergeState state);
 
 // A merge whose members have grown since `before` (a state of the same merge: method, options and verifier; merged

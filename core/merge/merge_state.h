@@ -76,7 +76,9 @@ struct MergeState {
   // So many of `edges` and `rejected`, from the front, were there before the maps grew.
   std::uint64_t inherited_edges = 0;
   std::uint64_t inherited_rejected = 0;
-  std::uint32_t pair = 0;  // of members, that `search` is about; in the order in which pairs are merged
+  // Of members, that `search` is about, in the order in which pairs are merged; spectral: whose votes are taken up,
+  // while the candidates are those of all pairs so far.
+  std::uint32_t pair = 0;
   PairSearch search;
   std::vector<MergeEdge> edges;        // in order of insertion
   std::vector<RejectedPair> rejected;  // in order of verification

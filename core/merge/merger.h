@@ -52,6 +52,8 @@ class Merger {
   MergeInput input_;
   MergeState state_;
   AppearanceGraph graph_;
+  // What a state of the same merge has as its input_fingerprint when a program stored it that searched otherwise.
+  std::optional<std::uint64_t> former_fingerprint_;
 
  private:
   friend std::unique_ptr<Merger> make_merger(MergeInput input, MergeState state);

@@ -49,8 +49,10 @@ class Run {
         certificate_pacer_(options.metrics_interval_s, options.metrics_cost_share / 2),
         metrics_interval_s_(options.metrics_interval_s) {
     loaded.input.executor = std::move(executor);
+    std::optional<std::uint64_t> fingerprint;
     if (loaded.state) {
       edges_stored_ = loaded.state->edges.size();
+      fingerprint = loaded.state->input_fingerprint;
       if (!has_grown(loaded)) mark_ = blobs::mark_of(*loaded.state);
       progress_.checkpoint_step = row_.step;
       const std::chrono::duration<double> age =
@@ -58,8 +60,12 @@ class Run {
       progress_.checkpoint_at = Clock::now() - std::chrono::duration_cast<Clock::duration>(age);
     }
     merger_ = open_merger(loaded);
+    // The search of a former version begins anew too.
+    if (fingerprint != merger_->state().input_fingerprint) mark_.reset();
     verifications_before_ = merger_->state().verifications;
-    revoked_before_ = progress_of(row_).revoked;
+    const MergeProgress before = progress_of(row_);
+    revoked_before_ = before.revoked;
+    candidates_known_before_ = before.candidates_known;
     watch_ = std::make_unique<MergeWatch>(*merger_, std::move(loaded.guard));
   }
 
@@ -171,8 +177,9 @@ class Run {
     progress_.step = state.step;
     progress_.words_done = state.search.words_processed;
     progress_.words_total = merger_->words_total();
-    // After maps have grown the candidates are found anew, while their verdicts stay.
+    // When a search begins anew what was found and verified before counts until it has been found again.
     progress_.candidates_known = std::max(state.candidates_known, state.verifications);
+    if (!merger_->done()) progress_.candidates_known = std::max(progress_.candidates_known, candidates_known_before_);
     progress_.verifications = state.verifications;
     progress_.edges = state.edges.size();
     progress_.elapsed_s = published_s_;
@@ -258,6 +265,7 @@ class Run {
   std::unique_ptr<Merger> merger_;
   std::uint64_t verifications_before_ = 0;  // made when the run began
   std::uint64_t revoked_before_ = 0;        // confirmations, by then
+  std::uint64_t candidates_known_before_ = 0;
   Clock::time_point began_;
   Pacer checkpoints_;
   Pacer metrics_pacer_;

@@ -50,7 +50,8 @@ std::vector<std::uint32_t> levels_of(const SimilarityMatrix& matrix, bool is_col
 
 }  // namespace
 
-Alignment::Alignment(MergeInput input, const Limits& limits) : PairMerger(std::move(input), false), limits_(limits) {
+Alignment::Alignment(MergeInput input, const Limits& limits)
+    : PairMerger(std::move(input), CountsBeforehand::kForSeveralPairs), limits_(limits) {
   begin_pair();
   advance();
 }

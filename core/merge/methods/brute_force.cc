@@ -6,7 +6,7 @@
 
 namespace mapweld {
 
-BruteForce::BruteForce(MergeInput input) : PairMerger(std::move(input), true) {
+BruteForce::BruteForce(MergeInput input) : PairMerger(std::move(input), CountsBeforehand::kAlways) {
   state_.phase = MergePhase::kVerification;
   advance();
 }

@@ -36,7 +36,7 @@ std::uint32_t DegreeMin::Masses::row_at(std::uint64_t point) const {
   return static_cast<std::uint32_t>(at);
 }
 
-DegreeMin::DegreeMin(MergeInput input) : PairMerger(std::move(input), false) {
+DegreeMin::DegreeMin(MergeInput input) : PairMerger(std::move(input), CountsBeforehand::kForSeveralPairs) {
   begin_pair();
   advance();
 }

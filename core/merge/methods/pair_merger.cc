@@ -41,7 +41,7 @@ std::shared_ptr<const VoteSource> votes_of(const MergeInput& input, const Member
 
 }  // namespace
 
-PairMerger::PairMerger(MergeInput input, bool counts_candidates)
+PairMerger::PairMerger(MergeInput input, CountsBeforehand counts)
     : Merger(std::move(input)), pairs_(all_member_pairs(input_.members)), ahead_(input_) {
   position_.resize(graph_.vertices());
   member_of_.resize(graph_.vertices());
@@ -56,13 +56,15 @@ PairMerger::PairMerger(MergeInput input, bool counts_candidates)
   Fingerprint hash;
   add_members(input_.members, hash);
   const bool is_one_pair = pairs_.size() == 1;
+  const bool counts_candidates =
+      counts == CountsBeforehand::kAlways || (counts == CountsBeforehand::kForSeveralPairs && !is_one_pair);
   std::vector<std::pair<std::uint64_t, MemberPair>> promises;
   std::uint64_t total = 0;
   for (const MemberPair& pair : pairs_) {
     std::shared_ptr<const VoteSource> votes = votes_of(input_, pair);
     hash.add(votes->fingerprint(input_.options.votes));
     std::uint64_t candidates = 0;
-    if (counts_candidates || !is_one_pair) {
+    if (counts_candidates) {
       candidates = count_candidates(*votes, input_.options.votes, input_.options.min_votes);
     }
     total += candidates;
@@ -71,20 +73,24 @@ PairMerger::PairMerger(MergeInput input, bool counts_candidates)
   }
   std::ranges::stable_sort(promises, std::ranges::greater{}, &std::pair<std::uint64_t, MemberPair>::first);
   for (std::size_t k = 0; k < pairs_.size(); ++k) pairs_[k] = promises[k].second;
-  if (counts_candidates || !is_one_pair) {
+  if (counts_candidates) {
     candidates_total_ = total;
     for (const auto& [candidates, pair] : promises) candidates_of_.push_back(candidates);
   }
 
   state_.method = input_.options.method;
   state_.rules_fingerprint = fingerprint_of_rules(input_);
+  if (counts == CountsBeforehand::kNever && !is_one_pair) {
+    former_fingerprint_ = hash.value();
+    hash.add(std::string_view("one order"));
+  }
   state_.input_fingerprint = hash.value();
   state_.random = input_.options.seed;
   open_pair();
 }
 
 std::optional<std::uint64_t> PairMerger::candidates_total() const {
-  // Without a count beforehand there is one pair of members, whose votes come first.
+  // Without a count beforehand all votes come first.
   if (!candidates_total_ && state_.phase != MergePhase::kVoting) return state_.candidates_known;
   return candidates_total_;
 }

@@ -17,6 +17,8 @@ namespace mapweld {
 
 // Two members are one pair. Of more, all pairs are merged one after the other, that with the most candidates first
 // (ties: in the order of the members); MergeState::pair says which one is in hand, and MergeState::search is about it.
+// A method with one order over all pairs (CountsBeforehand::kNever) only votes that way, in the order of
+// all_member_pairs; its states do not resume as those of a method that goes pair after pair.
 class PairMerger : public Merger {
  public:
   std::optional<std::uint64_t> candidates_total() const override;
@@ -24,18 +26,20 @@ class PairMerger : public Merger {
   std::vector<bool> finished_pairs() const override;
 
  protected:
-  // With `counts_candidates` all votes are counted once, so that candidates_total() is known; with more than two
-  // members they are anyway, to find the order of the pairs.
-  PairMerger(MergeInput input, bool counts_candidates);
+  // Whether all votes are counted once beforehand, so that candidates_total() is known from the start.
+  enum class CountsBeforehand : std::uint8_t {
+    kAlways,
+    kForSeveralPairs,  // which finds their order
+    kNever,            // all votes come first, and then one order over all pairs
+  };
+  PairMerger(MergeInput input, CountsBeforehand counts);
   void resume(MergeState state) override;
 
   const VoteSource& votes() const { return *votes_; }
   VertexId source(std::uint32_t row) const { return input_.members[pair_.m2].vertices[row]; }
   VertexId target(std::uint32_t column) const { return input_.members[pair_.m1].vertices[column]; }
-  const std::vector<VertexId>& sources() const { return input_.members[pair_.m2].vertices; }  // by row
-  const std::vector<VertexId>& targets() const { return input_.members[pair_.m1].vertices; }  // by column
-  bool is_source(VertexId vertex) const { return member_of_[to_index(vertex)] == pair_.m2; }
-  bool is_target(VertexId vertex) const { return member_of_[to_index(vertex)] == pair_.m1; }
+  const std::vector<MemberPair>& pairs() const { return pairs_; }
+  std::uint32_t member_of(VertexId vertex) const { return member_of_[to_index(vertex)]; }
   std::uint32_t row(VertexId source) const { return position_[to_index(source)]; }
   std::uint32_t column(VertexId target) const { return position_[to_index(target)]; }
   // Takes up the pair of members that a state to be resumed is at, with a fresh search. Throws FormatError for a number

@@ -9,7 +9,7 @@
 namespace mapweld {
 
 QuickConnect::QuickConnect(MergeInput input, Limits limits)
-    : PairMerger(std::move(input), true), limits_(limits), voter_(input_.options.votes) {
+    : PairMerger(std::move(input), CountsBeforehand::kAlways), limits_(limits), voter_(input_.options.votes) {
   begin_pair();
   advance_phase();
 }

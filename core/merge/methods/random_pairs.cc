@@ -28,7 +28,7 @@ void require_voted_rows(const MergeState& state, const VoteSource& votes) {
 
 }  // namespace
 
-RandomPairs::RandomPairs(MergeInput input) : PairMerger(std::move(input), false) {
+RandomPairs::RandomPairs(MergeInput input) : PairMerger(std::move(input), CountsBeforehand::kForSeveralPairs) {
   begin_pair();
   advance();
 }
@@ -102,7 +102,8 @@ void RandomPairs::advance() {
   }
 }
 
-RandomCandidates::RandomCandidates(MergeInput input) : PairMerger(std::move(input), false) {
+RandomCandidates::RandomCandidates(MergeInput input)
+    : PairMerger(std::move(input), CountsBeforehand::kForSeveralPairs) {
   begin_pair();
   advance();
 }

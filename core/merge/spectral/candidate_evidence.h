@@ -1,4 +1,4 @@
-// What the votes and the verdicts so far tell about each candidate of a pair of maps.
+// What the votes and the verdicts so far tell about each candidate.
 #pragma once
 
 #include <cstdint>

@@ -8,14 +8,12 @@
 namespace mapweld {
 
 Spectral::Spectral(MergeInput input, const SpectralOptions& options)
-    : PairMerger(std::move(input), false), options_(options) {
-  begin_pair();
-  advance();
-}
-
-void Spectral::begin_pair() {
+    : PairMerger(std::move(input), CountsBeforehand::kNever),
+      options_(options),
+      blocks_(input_.members),
+      open_(pairs().size(), 0) {
   state_.phase = MergePhase::kVoting;
-  order_.reset();
+  advance();
 }
 
 void Spectral::step() {
@@ -41,39 +39,58 @@ void Spectral::keep_row() {
     if (row_votes_[column] < input_.options.min_votes) continue;
     ++state_.candidates_known;
     const Candidate candidate{source(search.next_row), target(column), row_votes_[column]};
-    if (!is_known(candidate.source, candidate.target)) search.postponed.push_back(candidate);
+    if (is_known(candidate.source, candidate.target)) continue;
+    search.postponed.push_back(candidate);
+    ++open_[state_.pair];
   }
   ++search.next_row;
 }
 
 void Spectral::advance() {
-  for (;;) {
-    if (state_.phase == MergePhase::kVoting && state_.search.next_row == votes().rows()) {
-      state_.phase = MergePhase::kVerification;
-      verified_before_ = state_.verifications;
-      make_order();
-    }
-    if (state_.phase == MergePhase::kVoting) return;
-    if (state_.verifications - verified_before_ < state_.search.postponed.size()) return;
-    if (!next_pair()) {
-      state_.phase = MergePhase::kDone;
-      return;
-    }
-    begin_pair();
+  while (state_.phase == MergePhase::kVoting && state_.search.next_row == votes().rows()) {
+    if (next_votes()) continue;
+    state_.phase = MergePhase::kVerification;
+    make_order();
+  }
+  if (state_.phase == MergePhase::kVerification && state_.verifications == inherited() + order_->size()) {
+    state_.phase = MergePhase::kDone;
   }
 }
 
-// With the edges that there were when this pair's verifications began.
+// Goes on to the votes of the next pair; false after the last. The candidates of all pairs stay together.
+bool Spectral::next_votes() {
+  std::vector<Candidate> candidates = std::move(state_.search.postponed);
+  const bool has_next = next_pair();
+  state_.search.postponed = std::move(candidates);
+  return has_next;
+}
+
+std::size_t Spectral::pair_of(VertexId u, VertexId v) const {
+  return place_of_pair(member_of(u), member_of(v), input_.members.size());
+}
+
+CandidateEvidence::Cell Spectral::cell_of(const Candidate& candidate) const {
+  const std::size_t pair = pair_of(candidate.source, candidate.target);
+  return {blocks_.first_row[pair] + row(candidate.source), blocks_.first_column[pair] + column(candidate.target),
+          candidate.votes};
+}
+
+std::uint32_t Spectral::find(VertexId source, VertexId target) const {
+  const CandidateEvidence::Cell cell = cell_of({source, target, 0});
+  return order_->find(cell.row, cell.column);
+}
+
+// With the edges that there were when verifications began.
 void Spectral::make_order() {
   std::vector<CandidateEvidence::Cell> cells;
   cells.reserve(state_.search.postponed.size());
-  for (const Candidate& c : state_.search.postponed) cells.push_back({row(c.source), column(c.target), c.votes});
+  for (const Candidate& c : state_.search.postponed) cells.push_back(cell_of(c));
   AppearanceGraph graph(graph_.vertices(), input_.inner_edges);
-  for (const MergeEdge& e : state_.edges) {
-    if (e.verifications > verified_before_) break;
+  for (std::uint64_t i = 0; i < state_.inherited_edges; ++i) {
+    const MergeEdge& e = state_.edges[i];
     graph.add_edge(e.u, e.v, static_cast<std::uint32_t>(e.verification.inliers));
   }
-  order_.emplace(std::move(graph), sources(), targets(), std::move(cells), options_);
+  order_.emplace(std::move(graph), blocks_.sources, blocks_.targets, std::move(cells), options_);
 }
 
 void Spectral::choose_batch() {
@@ -87,7 +104,8 @@ void Spectral::take_pending() {
   PairSearch& search = state_.search;
   const Candidate candidate = search.pending[search.pending_next];
   const bool passed = verify_final(candidate);
-  order_->note({order_->find(row(candidate.source), column(candidate.target)), passed});
+  order_->note({find(candidate.source, candidate.target), passed});
+  --open_[pair_of(candidate.source, candidate.target)];
   ++search.pending_next;
 }
 
@@ -106,6 +124,15 @@ std::vector<Candidate> Spectral::candidates_left() const {
   return left;
 }
 
+std::vector<bool> Spectral::finished_pairs() const {
+  std::vector<bool> finished(open_.size());
+  for (std::size_t pair = 0; pair < open_.size(); ++pair) {
+    const bool has_votes = state_.phase != MergePhase::kVoting || pair < state_.pair;
+    finished[pair] = has_votes && open_[pair] == 0;
+  }
+  return finished;
+}
+
 namespace {
 
 void refuse_unless(bool is_good) {
@@ -117,66 +144,59 @@ void refuse_unless(bool is_good) {
 void Spectral::resume(MergeState state) {
   PairMerger::resume(std::move(state));
   const PairSearch& search = state_.search;
-  const auto cell_of = [this](const Candidate& c) { return std::pair(row(c.source), column(c.target)); };
+  std::ranges::fill(open_, 0);
+  std::pair<std::uint32_t, std::uint32_t> before{};
   for (std::size_t i = 0; i < search.postponed.size(); ++i) {
     const Candidate& c = search.postponed[i];
-    refuse_unless(is_source(c.source) && is_target(c.target));
-    refuse_unless(c.votes >= input_.options.min_votes && row(c.source) < search.next_row);
-    refuse_unless(i == 0 || cell_of(search.postponed[i - 1]) < cell_of(c));
+    const std::size_t pair = pair_of(c.source, c.target);
+    refuse_unless(is_source(c.source, pair) && c.votes >= input_.options.min_votes);
+    refuse_unless(pair < state_.pair || (pair == state_.pair && row(c.source) < search.next_row));
+    const CandidateEvidence::Cell cell = cell_of(c);
+    const std::pair now{cell.row, cell.column};
+    refuse_unless(i == 0 || before < now);
+    before = now;
+    ++open_[pair];
   }
-  const bool is_alone = state_.pair == 0 && state_.inherited_edges + state_.inherited_rejected == 0;
-  refuse_unless(is_alone ? state_.candidates_known == search.postponed.size()
-                         : state_.candidates_known >= search.postponed.size());
+  refuse_unless(inherited() == 0 ? state_.candidates_known == search.postponed.size()
+                                 : state_.candidates_known >= search.postponed.size());
   order_.reset();
   if (state_.phase == MergePhase::kVoting) {
-    refuse_unless(search.pending.empty());
+    refuse_unless(search.pending.empty() && state_.verifications == inherited());
     advance();
     return;
   }
-  refuse_unless(search.next_row == votes().rows());
+  refuse_unless(state_.pair + 1 == pairs().size() && search.next_row == votes().rows());
   restore_order();
 }
 
 void Spectral::restore_order() {
   const PairSearch& search = state_.search;
-  // Pairs of members are merged one after the other: the verdicts of this one are the last.
-  const auto is_of_this_pair = [this](VertexId a, VertexId b) {
-    return (is_source(a) && is_target(b)) || (is_source(b) && is_target(a));
-  };
-  std::size_t first_edge = state_.edges.size(), first_rejected = state_.rejected.size();
-  while (first_edge > state_.inherited_edges &&
-         is_of_this_pair(state_.edges[first_edge - 1].u, state_.edges[first_edge - 1].v)) {
-    --first_edge;
-  }
-  while (first_rejected > state_.inherited_rejected &&
-         is_of_this_pair(state_.rejected[first_rejected - 1].source, state_.rejected[first_rejected - 1].target)) {
-    --first_rejected;
-  }
-  verified_before_ = first_edge + first_rejected;
   make_order();
 
   // The verdicts in their order: an edge knows its place, rejected pairs fill the places between.
   std::vector<SpectralOrder::Verdict> verdicts;
   std::vector<bool> is_verified(order_->size(), false);
-  const auto add = [&](VertexId source, VertexId target, bool passed) {
-    const std::uint32_t c = order_->find(row(source), column(target));
+  const auto add = [&](VertexId u, VertexId v, bool passed) {
+    const std::size_t pair = pair_of(u, v);
+    const std::uint32_t c = is_source(u, pair) ? find(u, v) : find(v, u);
     refuse_unless(c < order_->size() && !is_verified[c]);
     is_verified[c] = true;
     verdicts.push_back({c, passed});
+    --open_[pair];
   };
-  std::size_t rejected = first_rejected;
+  std::size_t rejected = state_.inherited_rejected;
   const auto add_rejected_until = [&](std::uint64_t verifications) {
-    while (verified_before_ + verdicts.size() < verifications) {
+    while (inherited() + verdicts.size() < verifications) {
       refuse_unless(rejected < state_.rejected.size());
       add(state_.rejected[rejected].source, state_.rejected[rejected].target, false);
       ++rejected;
     }
   };
-  for (std::size_t i = first_edge; i < state_.edges.size(); ++i) {
+  for (std::size_t i = state_.inherited_edges; i < state_.edges.size(); ++i) {
     const MergeEdge& e = state_.edges[i];
-    refuse_unless(verified_before_ + verdicts.size() < e.verifications);
+    refuse_unless(member_of(e.u) != member_of(e.v) && inherited() + verdicts.size() < e.verifications);
     add_rejected_until(e.verifications - 1);
-    is_source(e.u) ? add(e.u, e.v, true) : add(e.v, e.u, true);
+    add(e.u, e.v, true);
   }
   add_rejected_until(state_.verifications);
 
@@ -186,8 +206,9 @@ void Spectral::restore_order() {
   }
   refuse_unless(search.pending_next <= verdicts.size());
   for (std::size_t i = 0; i < search.pending.size(); ++i) {
-    const std::uint32_t c = order_->find(row(search.pending[i].source), column(search.pending[i].target));
-    refuse_unless(c < order_->size() && search.pending[i] == search.postponed[c]);
+    const Candidate& pending = search.pending[i];
+    const std::uint32_t c = find(pending.source, pending.target);
+    refuse_unless(c < order_->size() && pending == search.postponed[c]);
     refuse_unless(is_verified[c] == (i < search.pending_next));
   }
   order_->restore(verdicts, verdicts.size() - search.pending_next);

@@ -59,7 +59,7 @@ SpectralOrder::SpectralOrder(AppearanceGraph graph, std::span<const VertexId> so
       evidence_(static_cast<std::uint32_t>(sources.size()), static_cast<std::uint32_t>(targets.size()),
                 std::move(cells)),
       schedule_(graph_, options),
-      source_joined_(sources.size(), 0) {
+      is_joined_(graph_.vertices(), 0) {
   left_.resize(evidence_.size());
   for (std::uint32_t i = 0; i < left_.size(); ++i) left_[i] = i;
 }
@@ -69,7 +69,7 @@ void SpectralOrder::note(Verdict verdict) {
   ++verifications_;
   if (!verdict.passed) return;
   graph_.add_edge(source(verdict.candidate), target(verdict.candidate), 1);
-  source_joined_[cell(verdict.candidate).row] = 1;
+  is_joined_[to_index(source(verdict.candidate))] = is_joined_[to_index(target(verdict.candidate))] = 1;
   passed_.push_back(verdict.candidate);
 }
 
@@ -139,22 +139,19 @@ void SpectralOrder::draw_quickconnect(std::size_t count) {
   constexpr std::uint64_t kNotTheBest = std::uint64_t{1} << 32, kJoined = std::uint64_t{1} << 33;
   std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
   keys.reserve(left_.size());
-  for (std::size_t begin = 0, end = 0; begin < left_.size(); begin = end) {
-    const std::uint32_t row = cell(left_[begin]).row;
-    std::size_t best = begin;
-    for (; end < left_.size() && cell(left_[end]).row == row; ++end) {
-      if (cell(left_[end]).votes > cell(left_[best]).votes) best = end;
+  std::vector<std::uint32_t> best_of(graph_.vertices(), size());  // of each source
+  for (const std::uint32_t c : left_) {
+    std::uint32_t& best = best_of[to_index(source(c))];
+    if (best == size() || cell(c).votes > cell(best).votes) best = c;
+  }
+  for (const std::uint32_t c : left_) {
+    std::uint64_t key = (0xFFFFu - std::min(cell(c).votes, 0xFFFFu));
+    if (is_joined_[to_index(source(c))]) {
+      key |= kJoined | std::uint64_t{std::min({graph_.degree(source(c)), graph_.degree(target(c)), 0xFFFFu})} << 16;
+    } else if (c != best_of[to_index(source(c))]) {
+      key |= kNotTheBest;
     }
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::uint32_t c = left_[i];
-      std::uint64_t key = (0xFFFFu - std::min(cell(c).votes, 0xFFFFu));
-      if (source_joined_[row]) {
-        key |= kJoined | std::uint64_t{std::min({graph_.degree(source(c)), graph_.degree(target(c)), 0xFFFFu})} << 16;
-      } else if (i != best) {
-        key |= kNotTheBest;
-      }
-      keys.emplace_back(key, c);
-    }
+    keys.emplace_back(key, c);
   }
   if (count < keys.size()) {
     std::nth_element(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(count), keys.end());
@@ -162,7 +159,7 @@ void SpectralOrder::draw_quickconnect(std::size_t count) {
   }
   std::ranges::sort(keys);
   quickconnect_.clear();
-  for (const auto& [key, c] : keys) quickconnect_.push_back({c, source_joined_[cell(c).row] != 0});
+  for (const auto& [key, c] : keys) quickconnect_.push_back({c, is_joined_[to_index(source(c))] != 0});
 }
 
 std::vector<std::uint32_t> SpectralOrder::next_batch() {
@@ -262,7 +259,7 @@ std::uint32_t SpectralOrder::next_of_quickconnect(const std::vector<std::uint8_t
   const auto is_free = [&](const QuickConnectPick& pick) { return is_picked[pick.candidate] == 0; };
   for (; cursors.next < quickconnect_.size(); ++cursors.next) {
     const QuickConnectPick& pick = quickconnect_[cursors.next];
-    const bool is_passed_over = !pick.was_joined && source_joined_[cell(pick.candidate).row] != 0;
+    const bool is_passed_over = !pick.was_joined && is_joined_[to_index(source(pick.candidate))] != 0;
     if (is_free(pick) && !is_passed_over) return pick.candidate;
   }
   while (!is_free(quickconnect_[cursors.next_passed_over])) ++cursors.next_passed_over;

@@ -1,4 +1,4 @@
-// Which candidates of a pair of maps to verify next: chance to pass times gain in algebraic connectivity.
+// Which candidates of a merge to verify next: chance to pass times gain in algebraic connectivity.
 #pragma once
 
 #include <cstdint>
@@ -77,8 +77,9 @@ class SpectralOrder {
     std::uint32_t candidate = 0;
     bool passed = false;
   };
-  // `graph`: all members, inner edges only. `sources`, `targets`: the vertex of each row, of each column. `cells`: the
-  // candidates, ascending by (row, column), each once; they are numbered in this order.
+  // `graph`: all members, inner edges only. `sources`, `targets`: the vertex of each row, of each column; a vertex may
+  // have several (PairBlocks). `cells`: the candidates, ascending by (row, column), each once; they are numbered in
+  // this order.
   SpectralOrder(AppearanceGraph graph, std::span<const VertexId> sources, std::span<const VertexId> targets,
                 std::vector<CandidateEvidence::Cell> cells, const SpectralOptions& options);
 
@@ -121,8 +122,8 @@ class SpectralOrder {
   CandidateEvidence evidence_;
   SpectralSchedule schedule_;
   std::uint64_t verifications_ = 0;
-  std::vector<std::uint8_t> source_joined_;  // by row
-  std::vector<std::uint32_t> passed_;        // not yet taken into schedule and gain, in order
+  std::vector<std::uint8_t> is_joined_;  // by vertex: it has an inter edge
+  std::vector<std::uint32_t> passed_;    // not yet taken into schedule and gain, in order
   // Of the epoch:
   std::optional<ConnectivityGain> gain_;
   std::vector<std::uint32_t> left_;       // had no verdict at its beginning, ascending

@@ -13,14 +13,21 @@ namespace mapweld::test {
 // Steps the merger to its end and notes every verdict when it is reached; votes of rejected pairs are 0 here.
 inline std::vector<OracleVerdict> log_verdicts(Merger& merger) {
   std::vector<OracleVerdict> verdicts;
-  const MemberPair pair = order_members(merger.input().members);
-  const std::vector<VertexId>& m2 = merger.input().members[pair.m2].vertices;
+  const std::vector<MergeMember>& members = merger.input().members;
+  const auto member_of = [&members](VertexId v) {
+    const auto holds = [v](const MergeMember& m) { return std::ranges::binary_search(m.vertices, v); };
+    return static_cast<std::size_t>(std::ranges::find_if(members, holds) - members.begin());
+  };
+  const auto is_source = [&](VertexId u, VertexId v) {
+    const auto [i, j] = std::minmax({member_of(u), member_of(v)});
+    return order_members(members, i, j).m2 == member_of(u);
+  };
   std::size_t edges = merger.state().edges.size(), rejected = merger.state().rejected.size();
   run(merger, {}, [&](const Merger& m) {
     const MergeState& state = m.state();
     if (state.edges.size() > edges) {
       const MergeEdge& e = state.edges.back();
-      const bool u_is_source = std::binary_search(m2.begin(), m2.end(), e.u);
+      const bool u_is_source = is_source(e.u, e.v);
       verdicts.push_back({u_is_source ? e.u : e.v, u_is_source ? e.v : e.u, e.votes, true});
     }
     if (state.rejected.size() > rejected) {

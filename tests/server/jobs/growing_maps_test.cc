@@ -1,5 +1,6 @@
-// Merges of several maps, and of maps that grow while they are merged.
+// Merges of maps that grow while they are merged.
 #include <algorithm>
+#include <functional>
 #include <set>
 #include <utility>
 
@@ -23,38 +24,6 @@ std::string code_of(const std::function<void()>& call) {
     return error.code();
   }
   return "";
-}
-
-TEST(SeveralMapsMerged, EndWithTheStateOfTheMergeInCore) {
-  for (const std::string_view method : merge_methods()) {
-    ToyWorld world = test::toy_world(19);
-    world.method = method;
-    world.sizes = {9, 12, 7, 5};
-    test::TempStore store;
-    test::store_toy_maps(store, world);
-    MergeJobOptions options = test::job_options(std::make_shared<test::HashVerifier>(world.accept_share));
-    options.verify_threads = 2;
-    MergeJobs jobs(store, options);
-    jobs.start();
-    const MergeStatus done = jobs.wait(jobs.submit(test::request_of(world)).id, kLong);
-    ASSERT_EQ(done.state, JobState::kCompleted) << done.error.value_or("");
-    EXPECT_EQ(test::stored_state(store, done.id), test::uninterrupted(world)) << method;
-    EXPECT_EQ(done.joined.size(), 4u);
-    if (method == "alignment") continue;  // random places make no sequences
-    EXPECT_GT(done.edges, 20u);
-    ASSERT_EQ(done.pairs.size(), 6u);
-    std::uint64_t confirmed = 0, verified = 0;
-    for (const JoinedPair& pair : done.pairs) {
-      confirmed += pair.summary.confirmed;
-      verified += pair.summary.verified;
-      EXPECT_EQ(pair.summary.verdict, pair.summary.confirmed > 0 ? JoinVerdict::kJoined : JoinVerdict::kNotJoined);
-    }
-    EXPECT_EQ(confirmed, done.edges);
-    EXPECT_EQ(verified, done.candidates.verified);
-    EXPECT_EQ(done.certified_fraction, 1.0);
-    EXPECT_EQ(done.estimated_fraction, 1.0);
-    EXPECT_EQ(done.joinable_vertices, 0u);
-  }
 }
 
 // Edges by the vertices' names in the toy world, which are their numbers in it.

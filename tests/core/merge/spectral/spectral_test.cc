@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/errors.h"
+#include "core/fingerprint.h"
 #include "core/graph/components.h"
 #include "core/merge/make_merger.h"
 #include "tests/core/merge/toy_maps.h"
@@ -100,8 +101,10 @@ std::vector<Key> quickconnect_order(const std::vector<Candidate>& all, const std
 // Told from the verdicts alone, with components and epochs found anew.
 TEST(Spectral, GivesItsShareToQuickConnectsOrder) {
   const SpectralOptions options;
-  for (std::uint32_t seed = 0; seed < 8; ++seed) {
-    const auto merger = make_merger(make(long_world(seed), "spectral"));
+  for (std::uint32_t seed = 0; seed < 12; ++seed) {
+    test::ToyWorld world = long_world(seed);
+    if (seed >= 8) world.sizes = {30, 45, 25, 20};
+    const auto merger = make_merger(make(world, "spectral"));
     const std::vector<test::OracleVerdict> verdicts = test::log_verdicts(*merger);
     const std::vector<Candidate> all = merger->state().search.postponed;
     const std::uint32_t n = merger->graph().vertices();
@@ -149,7 +152,7 @@ TEST(Spectral, GivesItsShareToQuickConnectsOrder) {
       for (std::size_t i = begin; i < end; ++i) {
         if (!verdicts[i].accepted) continue;
         graph.add_edge(verdicts[i].source, verdicts[i].target, 1);
-        is_joined[to_index(verdicts[i].source)] = true;
+        is_joined[to_index(verdicts[i].source)] = is_joined[to_index(verdicts[i].target)] = true;
       }
       begin = end;
     }
@@ -190,6 +193,58 @@ TEST(Spectral, MendsTheWeakestPlaceFirst) {
   order.note({second[0], true});
   const std::vector<std::uint32_t> third = order.next_batch();
   EXPECT_NEAR(third[0], n / 2, 3);  // a ring of 120: across its middle
+}
+
+// As they were when two members were all that an order could be about.
+TEST(Spectral, VerifiesTwoMembersInTheRecordedOrder) {
+  const auto order_of = [](const test::ToyWorld& world) {
+    const auto merger = make_merger(make(world, "spectral"));
+    Fingerprint hash;
+    for (const test::OracleVerdict& v : test::log_verdicts(*merger)) {
+      hash.add(to_index(v.source));
+      hash.add(to_index(v.target));
+      hash.add(v.accepted ? 1 : 0);
+    }
+    return hash.value();
+  };
+  Fingerprint toys, walks;
+  for (std::uint32_t seed = 0; seed < 40; ++seed) toys.add(order_of(test::toy_world(seed)));
+  for (std::uint32_t seed = 0; seed < 4; ++seed) walks.add(order_of(long_world(seed)));
+  EXPECT_EQ(toys.value(), 3864628840493532052u);
+  EXPECT_EQ(walks.value(), 4044586400364788732u);
+}
+
+// Four walks that all meet: an edge that joins two of them is worth more than one between joined ones, whichever pair
+// of members has it.
+TEST(Spectral, JoinsAllMembersBeforeItStrengthens) {
+  for (std::uint32_t seed = 0; seed < 10; ++seed) {
+    test::ToyWorld world = long_world(seed);
+    world.sizes = {50, 40, 30, 20};
+    world.accept_share = 0.5;
+    const auto merger = make_merger(make(world, "spectral"));
+    run(*merger, stop_at_verifications(40));
+    EXPECT_EQ(connected_components(merger->graph()).count(), 1u) << seed;
+    const auto by_pairs = make_merger(make(world, "quickconnect"));
+    run(*by_pairs, stop_at_verifications(40));
+    EXPECT_GT(connected_components(by_pairs->graph()).count(), 1u) << seed;
+  }
+}
+
+TEST(Spectral, GoesOnExactlyInTheMiddleOfManyMembers) {
+  test::ToyWorld world = long_world(4);
+  world.sizes = {30, 45, 0, 25, 20};
+  const MergeInput input = make(world, "spectral");
+  const auto whole = make_merger(input);
+  run(*whole, {});
+  ASSERT_GT(whole->state().verifications, 300u);
+  for (std::uint64_t k = 0; k <= whole->state().step; k += 17) {
+    const auto first = make_merger(input);
+    run(*first, stop_at_step(k));
+    const auto second = make_merger(input, first->state());
+    EXPECT_EQ(second->finished_pairs(), first->finished_pairs()) << k;
+    run(*second, {});
+    ASSERT_EQ(second->state(), whole->state()) << k;
+  }
 }
 
 TEST(Spectral, RefusesAStateWhosePartsDoNotFit) {
