@@ -13,14 +13,13 @@
 
 namespace mapweld::benchmark_support {
 
-MergeInput load_stored_pair(const std::filesystem::path& data_folder, const std::string& first,
-                            const std::string& second) {
+MergeInput load_stored_maps(const std::filesystem::path& data_folder, std::span<const std::string> names) {
   Store store(data_folder / "mapweld.db", {.read_only = true});
   const ReadTransaction db = store.read();
   MergeInput input;
   std::vector<std::uint32_t> sizes;
   std::vector<std::shared_ptr<const AppearanceVector>> vectors;
-  for (const std::string& name : {first, second}) {
+  for (const std::string& name : names) {
     const auto map = find_map(db, name);
     if (!map) throw std::runtime_error(data_folder.string() + " has no map " + name);
     const auto base = static_cast<std::uint32_t>(vectors.size());
@@ -35,6 +34,12 @@ MergeInput load_stored_pair(const std::filesystem::path& data_folder, const std:
   input.members = number_members(sizes);
   input.appearances = std::make_shared<AppearanceTable>(std::move(vectors));
   return input;
+}
+
+MergeInput load_stored_pair(const std::filesystem::path& data_folder, const std::string& first,
+                            const std::string& second) {
+  const std::string names[]{first, second};
+  return load_stored_maps(data_folder, names);
 }
 
 RememberingVerifier::RememberingVerifier(std::shared_ptr<const PairVerifier> verifier, std::filesystem::path file)

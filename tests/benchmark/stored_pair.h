@@ -1,10 +1,11 @@
-// Two stored maps as a merge's input, and a verifier that asks each pair once: what the measurements of merge orders
+// Stored maps as a merge's input, and a verifier that asks each pair once: what the measurements of merge orders
 // work on.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 #include <unordered_map>
 
@@ -12,8 +13,12 @@
 
 namespace mapweld::benchmark_support {
 
-// Reads maps `first` and `second` of a data folder that no server has open. Throws std::runtime_error when one is
+// Reads maps of a data folder that no server has open, in the order given. Throws std::runtime_error when one is
 // missing.
+MergeInput load_stored_maps(const std::filesystem::path& data_folder, std::span<const std::string> names);
+
+// Two of them: reads maps `first` and `second` of a data folder that no server has open. Throws std::runtime_error when
+// one is missing.
 MergeInput load_stored_pair(const std::filesystem::path& data_folder, const std::string& first,
                             const std::string& second);
 
