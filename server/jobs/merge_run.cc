@@ -98,7 +98,8 @@ class Run {
     }
     if (budget.edges) conditions.push_back(stop_at_edges(row_.granted_at.edges + *budget.edges));
     if (budget.fraction_of_maximum) {
-      conditions.push_back(stop_at_fraction(*budget.fraction_of_maximum, budget.certified));
+      conditions.push_back(stop_at_fraction(*budget.fraction_of_maximum, budget.certified,
+                                            [this](const Merger&) { return watch_->standings(); }));
     }
     if (budget.seconds) {
       limit_s_ = row_.granted_at.elapsed_s + *budget.seconds;

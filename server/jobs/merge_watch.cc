@@ -5,8 +5,6 @@
 #include <span>
 #include <utility>
 
-#include "core/merge/certificate/fraction_stop.h"
-
 namespace mapweld::server {
 
 void MergeWatch::judge() {
@@ -51,37 +49,32 @@ void MergeWatch::measure_edges(bool exact) {
       confirmed_edges_ = state.edges.size();
     }
     // An older certificate still holds while edges come to the same component; for another one it says nothing, nor
-    // when edges may have been taken back.
-    const std::pair now{metrics_.components, metrics_.largest_vertices};
-    if (guards() || certified_for_ != now) certified_.reset();
+    // when edges that mattered were taken back.
+    const bool is_another = certified_for_ != std::pair{metrics_.components, metrics_.largest_vertices};
+    if (is_another || metrics_.largest_algebraic_connectivity < certified_connectivity_ * (1 - 1e-9))
+      certified_.reset();
   }
   std::vector<bool> confirmed(state.edges.size());
   for (std::size_t e = 0; e < confirmed.size(); ++e) confirmed[e] = is_confirmed(e);
   members_ = member_table(members, state.edges, state.rejected, confirmed, merger_.finished_pairs());
 }
 
+std::vector<EdgeStanding> MergeWatch::standings() {
+  std::vector<EdgeStanding> standings;
+  if (!guards()) return standings;
+  judge();
+  for (const GuardVerdict& verdict : verdicts_) standings.push_back({verdict.confirmed(), verdict.confidence});
+  return standings;
+}
+
 void MergeWatch::measure_certificate() {
-  std::optional<std::vector<OpenCandidate>> open = open_with_chances(merger_);
   certified_.reset();
-  if (!open) return;
-  Certificate certificate;
-  if (guards()) {
-    // What is verified may be confirmed yet.
-    judge();
-    const std::vector<MergeEdge>& edges = merger_.state().edges;
-    const auto standing = static_cast<double>(std::ranges::count_if(verdicts_, &GuardVerdict::confirmed));
-    const double chance = (standing + 1) / (static_cast<double>(edges.size()) + 2);
-    if (!merger_.done()) {
-      for (std::size_t e = 0; e < edges.size(); ++e) {
-        if (!is_confirmed(e)) open->push_back({edges[e].u, edges[e].v, chance / 2});
-      }
-    }
-    certificate = certify(confirmed_graph(), *open);
-  } else {
-    certificate = certify(merger_.graph(), *open);
-  }
+  const std::optional<Certificate> certificate = outlook_.certificate(merger_);
+  if (!certificate) return;
   certified_for_ = {metrics_.components, metrics_.largest_vertices};
-  certified_ = Certified{certificate.certified_fraction, certificate.estimated_fraction, certificate.joinable_vertices};
+  certified_connectivity_ = metrics_.largest_algebraic_connectivity;
+  certified_ =
+      Certified{certificate->certified_fraction, outlook_.estimate(merger_)->fraction, certificate->joinable_vertices};
 }
 
 MergeWatch::Judgements MergeWatch::tell_judgements(std::size_t stored, bool all) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/guard/alias_guard.h"
+#include "core/merge/certificate/outlook.h"
 #include "core/merge/member_table.h"
 #include "core/merge/merge_metrics.h"
 #include "core/merge/merger.h"
@@ -25,7 +26,8 @@ class MergeWatch {
  public:
   // `merger` must outlive this. With a `guard` over its members its edges are judged, and metrics speak of the
   // confirmed ones; without, every edge is confirmed.
-  MergeWatch(const Merger& merger, std::shared_ptr<AliasGuard> guard) : merger_(merger), guard_(std::move(guard)) {}
+  MergeWatch(const Merger& merger, std::shared_ptr<AliasGuard> guard)
+      : merger_(merger), guard_(std::move(guard)), outlook_([this](const Merger&) { return standings(); }) {}
 
   // Measures what can have changed since the last time; a certificate that no longer says anything is forgotten. With
   // `exact` every number is computed anew: how often it was asked before then leaves no trace in the last digits.
@@ -40,6 +42,9 @@ class MergeWatch {
   std::uint64_t revoked() const { return revoked_; }
   const std::optional<Certified>& certified() const { return certified_; }
   const std::vector<MemberPairSummary>& members() const { return members_; }
+
+  // What is thought of each edge of the merger's state, as it stands now; empty without a guard.
+  std::vector<EdgeStanding> standings();
 
   // What is thought of the merge's edges now that was not told yet, or is thought otherwise: of the first `stored`
   // ones, whose rows are there, and of those beyond them, in their order. Confidences that moved by less than
@@ -58,10 +63,12 @@ class MergeWatch {
 
   const Merger& merger_;
   const std::shared_ptr<AliasGuard> guard_;
+  Outlook outlook_;
   MergeMetricsFollower follower_;
   MergeMetrics metrics_;
   std::optional<Certified> certified_;
   std::pair<std::uint32_t, std::uint32_t> certified_for_;  // components, vertices of the largest
+  double certified_connectivity_ = 0;                      // of the largest
   std::vector<MemberPairSummary> members_;
   std::optional<std::size_t> measured_edges_;
   std::uint64_t confirmed_edges_ = 0;

@@ -11,7 +11,7 @@
 #include "core/geometry/epipolar_verifier.h"
 #include "core/graph/algebraic_connectivity.h"
 #include "core/graph/components.h"
-#include "core/merge/certificate/fraction_stop.h"
+#include "core/merge/certificate/outlook.h"
 #include "core/merge/make_merger.h"
 #include "core/merge/run.h"
 #include "tests/benchmark/stored_pair.h"
@@ -22,7 +22,8 @@ using namespace mapweld;
 
 struct Point {
   double share = 0;  // of all verifications
-  Certificate told;
+  Certificate certificate;
+  FinalEstimate estimate;
   std::vector<VertexId> component;  // the largest one
   double value = 0;                 // lambda_2 on it
 };
@@ -33,29 +34,31 @@ void measure(MergeInput input, const std::string& method, int points) {
   run(*whole, {});
   const std::uint64_t all = whole->state().verifications;
   const auto merger = make_merger(input);
+  Outlook outlook;
   std::vector<Point> curve;
   for (int k = 1; k <= points; ++k) {
     run(*merger, stop_at_verifications(all * static_cast<std::uint64_t>(k) / static_cast<std::uint64_t>(points)));
     const LargestComponentConnectivity largest = largest_component_connectivity(merger->graph());
-    const auto told = certify(*merger);
-    if (!told) continue;
-    curve.push_back({static_cast<double>(k) / points, *told, largest.vertices, largest.connectivity.value});
+    const auto certificate = outlook.certificate(*merger);
+    if (!certificate) continue;
+    curve.push_back({static_cast<double>(k) / points, *certificate, *outlook.estimate(*merger), largest.vertices,
+                     largest.connectivity.value});
   }
   std::printf("%s: %llu verifications\n  share  certified  estimated  true  could join\n", method.c_str(),
               static_cast<unsigned long long>(all));
   for (const Point& point : curve) {
     const double end = algebraic_connectivity(induced_subgraph(whole->graph(), point.component)).value;
-    std::printf("  %4.0f %%  %9.4f  %9.4f  %.4f  %u\n", 100 * point.share, point.told.certified_fraction,
-                point.told.estimated_fraction, end > 0 ? point.value / end : 1.0, point.told.joinable_vertices);
+    std::printf("  %4.0f %%  %9.4f  %9.4f  %.4f  %u\n", 100 * point.share, point.certificate.certified_fraction,
+                point.estimate.fraction, end > 0 ? point.value / end : 1.0, point.certificate.joinable_vertices);
   }
   const auto reached = [&curve](double level, auto&& fraction) {
-    const auto found = std::ranges::find_if(curve, [&](const Point& p) { return fraction(p.told) >= level; });
+    const auto found = std::ranges::find_if(curve, [&](const Point& p) { return fraction(p) >= level; });
     return found == curve.end() ? 100.0 : 100 * found->share;
   };
-  const auto certified = [](const Certificate& c) { return c.joinable_vertices == 0 ? c.certified_fraction : 0.0; };
-  const auto estimated = [](const Certificate& c) {
-    return c.likely_joinable_vertices == 0 ? c.estimated_fraction : 0.0;
+  const auto certified = [](const Point& p) {
+    return p.certificate.joinable_vertices == 0 ? p.certificate.certified_fraction : 0.0;
   };
+  const auto estimated = [](const Point& p) { return std::min(p.estimate.fraction, p.estimate.vertices_share); };
   std::printf("  with nobody left to join: certified 50 / 90 %% at %.0f / %.0f %%, estimated at %.0f / %.0f %%\n",
               reached(0.5, certified), reached(0.9, certified), reached(0.5, estimated), reached(0.9, estimated));
 }

@@ -1,16 +1,14 @@
 #include "core/merge/certificate/certificate.h"
 
 #include <algorithm>
-#include <cmath>
+#include <map>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "core/graph/approximate_cholesky.h"
 #include "core/graph/components.h"
 #include "core/graph/disjoint_sets.h"
-#include "core/graph/fiedler_iteration.h"
-#include "core/graph/sparsify.h"
 
 namespace mapweld {
 namespace {
@@ -29,52 +27,40 @@ std::vector<OpenCandidate> remaining(const AppearanceGraph& graph, std::span<con
                                   ") in a graph of " + std::to_string(graph.vertices()) + " vertices");
     }
     if (graph.has_edge(c.u, c.v)) continue;
-    const double chance = c.chance > 0 ? std::min(c.chance, 1.0) : 0.0;
-    result.push_back({std::min(c.u, c.v), std::max(c.u, c.v), chance});
+    result.push_back({std::min(c.u, c.v), std::max(c.u, c.v), 0, {}});
   }
-  std::ranges::sort(result, [](const OpenCandidate& a, const OpenCandidate& b) {
-    if (a.u != b.u) return a.u < b.u;
-    return a.v != b.v ? a.v < b.v : a.chance > b.chance;
-  });
-  const auto repeated = std::ranges::unique(
-      result, [](const OpenCandidate& a, const OpenCandidate& b) { return a.u == b.u && a.v == b.v; });
+  const auto ends = [](const OpenCandidate& c) { return std::pair(c.u, c.v); };
+  std::ranges::sort(result, {}, ends);
+  const auto repeated = std::ranges::unique(result, {}, ends);
   result.erase(repeated.begin(), repeated.end());
   return result;
 }
 
-// Vertices of other components in the same set as K.
-std::uint32_t brought_in(const Components& components, std::uint32_t largest, const DisjointSets& sets) {
-  std::uint32_t vertices = 0;
+// See Certificate::joinable_vertices.
+std::uint32_t joinable(const Components& components, std::span<const OpenCandidate> open) {
+  DisjointSets sets(components.count());
+  for (const OpenCandidate& c : open) {
+    sets.join(components.component_of[to_index(c.u)], components.component_of[to_index(c.v)]);
+  }
+  const std::uint32_t largest = components.largest(), size = components.sizes[largest];
+  struct Reach {
+    std::uint32_t vertices = 0;
+    std::uint32_t first = 0;  // component: of equal sizes the one that begins with the lowest vertex is the largest
+  };
+  std::map<std::uint32_t, Reach> reached;  // by set
   for (std::uint32_t c = 0; c < components.count(); ++c) {
-    if (c != largest && sets.root(c) == sets.root(largest)) vertices += components.sizes[c];
+    const auto [reach, is_new] = reached.try_emplace(sets.root(c), Reach{0, c});
+    reach->second.vertices += components.sizes[c];
+  }
+  std::uint32_t vertices = 0;
+  for (const auto& [root, reach] : reached) {
+    if (root == sets.root(largest)) {
+      vertices += reach.vertices - size;
+    } else if (reach.vertices > size || (reach.vertices == size && reach.first < largest)) {
+      vertices += reach.vertices;
+    }
   }
   return vertices;
-}
-
-void count_joinable(const Components& components, std::uint32_t largest, std::span<const OpenCandidate> open,
-                    double likely, Certificate& result) {
-  struct Join {
-    std::uint32_t a, b;
-    double miss;  // chance that none passes
-  };
-  std::vector<Join> joins;
-  DisjointSets possible(components.count());
-  for (const OpenCandidate& c : open) {
-    const auto [a, b] = std::minmax({components.component_of[to_index(c.u)], components.component_of[to_index(c.v)]});
-    if (a == b) continue;
-    possible.join(a, b);
-    joins.push_back({a, b, 1 - c.chance});
-  }
-  result.joinable_vertices = brought_in(components, largest, possible);
-  std::ranges::stable_sort(joins, [](const Join& x, const Join& y) { return x.a != y.a ? x.a < y.a : x.b < y.b; });
-  DisjointSets probable(components.count());
-  for (std::size_t k = 0; k < joins.size();) {
-    const Join first = joins[k];
-    double miss = 1;
-    for (; k < joins.size() && joins[k].a == first.a && joins[k].b == first.b; ++k) miss *= joins[k].miss;
-    if (1 - miss >= likely) probable.join(first.a, first.b);
-  }
-  result.likely_joinable_vertices = brought_in(components, largest, probable);
 }
 
 }  // namespace
@@ -92,8 +78,7 @@ Certificate certify(const AppearanceGraph& graph, const LargestComponentConnecti
   result.vertices = static_cast<std::uint32_t>(largest.vertices.size());
   result.lower_bound = std::max(0.0, largest.connectivity.value * (1 - kRounding) - largest.connectivity.residual);
   if (largest.components > 1) {
-    const Components components = connected_components(graph);
-    count_joinable(components, components.largest(), candidates, options.likely, result);
+    result.joinable_vertices = joinable(connected_components(graph), candidates);
   }
 
   constexpr int kOutside = -1;
@@ -113,35 +98,15 @@ Certificate certify(const AppearanceGraph& graph, const LargestComponentConnecti
       if (u < n.vertex) edges.push_back({inside[to_index(u)], inside[to_index(n.vertex)], 1.0});
     }
   }
-  const std::size_t inner = edges.size();
-  const int n = static_cast<int>(largest.vertices.size());
-  FiedlerIterationOptions iteration;
-  iteration.tolerance = 1e-6;
-  iteration.least_progress = options.least_progress;
-  iteration.max_iterations = options.max_iterations;
-  const auto solve = [&](const Eigen::VectorXd& start) {
-    FiedlerIteration found = iterate_to_fiedler(
-        n, edges, ApproximateCholesky(n, sparsify(n, edges, options.oversampling)), start, iteration);
-    result.iterations += found.iterations;
-    result.converged = result.converged && found.converged;
-    return found;
-  };
-
-  for (const OpenCandidate& c : within) {
-    if (c.chance > 0) edges.push_back({inside[to_index(c.u)], inside[to_index(c.v)], c.chance});
-  }
-  const FiedlerIteration expected = solve(largest.connectivity.fiedler);
-  result.expected_upper_bound = expected.value;
-
-  edges.resize(inner);
   for (const OpenCandidate& c : within) edges.push_back({inside[to_index(c.u)], inside[to_index(c.v)], 1.0});
-  const FiedlerIteration reachable = solve(expected.vector);
+  const FiedlerIteration reachable =
+      near_fiedler(static_cast<int>(largest.vertices.size()), edges, largest.connectivity.fiedler, options.iteration);
+  result.iterations = reachable.iterations;
+  result.converged = reachable.converged;
   // Any vector's quotient is a bound; of two the better.
   result.upper_bound = std::min(reachable.value, rayleigh_quotient(largest.connectivity.fiedler, edges).value);
 
   result.certified_fraction = std::min(1.0, result.lower_bound / (result.upper_bound * (1 + kRounding)));
-  result.estimated_fraction =
-      std::clamp(result.lower_bound / result.expected_upper_bound, result.certified_fraction, 1.0);
   return result;
 }
 

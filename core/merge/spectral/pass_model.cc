@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "core/merge/logistic.h"
+
 namespace mapweld {
 namespace {
 
@@ -17,15 +19,6 @@ constexpr std::array<double, kWeights> kPrior{-1.2,                             
                                               -0.6, -0.2, 0.2,  0.8,                         // rivals
                                               0.0,  -0.6, -1.4, -0.2, 0.8,  1.6,  2.4,       // support
                                               0.0,  -0.3, -0.8, -0.4, 0.2,  0.5};            // history
-
-// (1 + x / 1024)^1024, which is e^x well enough.
-double exponential(double x) {
-  double value = 1 + std::clamp(x, -12.0, 12.0) / 1024;
-  for (int i = 0; i < 10; ++i) value *= value;
-  return value;
-}
-
-double logistic(double x) { return 1 / (1 + exponential(-x)); }
 
 std::array<int, 4> weights_of(int cell) {
   const int history = cell % PassModel::kHistory;
