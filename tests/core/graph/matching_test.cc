@@ -64,7 +64,7 @@ TEST(MaximumMatching, FindsLongAugmentingPaths) {
 // Two triangles at the ends of a path of 2k vertices. Whoever begins with the path's first edge has to undo all of it,
 // from an odd cycle to an odd cycle.
 TEST(MaximumMatching, FindsLongAugmentingPathsBetweenOddCycles) {
-  const std::uint32_t k = 20000;
+  const std::uint32_t k = 100000;
   Edges edges;
   for (std::uint32_t v = 1; v < 2 * k; ++v) edges.emplace_back(VertexId{v - 1}, VertexId{v});
   for (const auto& [end, corner] : {std::pair{0u, 2 * k}, std::pair{2 * k - 1, 2 * k + 3}}) {
