@@ -244,21 +244,23 @@ TEST_F(MergeJobsRestart, KilledMeanwhileItIsTheOldOneOrTheNew) {
     ASSERT_TRUE(WIFSIGNALED(status)) << status;
 
     store_.reopen();
-    const ReadTransaction db = store_.read();
-    EXPECT_EQ(findings_in(db), "");
-    const MergeRow row = *find_merge(db, JobId{id});
-    const std::optional<MergeState> state = load_merge_state(db, JobId{id});
-    if (state) {
-      ++olds;
-      EXPECT_EQ(*state, old);
-      EXPECT_EQ(row.state, JobState::kBudgetExhausted);
-      EXPECT_EQ(row.spent.verifications, 60U);
-      EXPECT_FALSE(list_curve(db, row.id, 1).empty());
-    } else {
-      ++news;
-      EXPECT_EQ(row.state, JobState::kQueued);
-      EXPECT_EQ(row.spent, Spent{});
-      EXPECT_TRUE(list_curve(db, row.id, 1).empty());
+    {
+      const ReadTransaction db = store_.read();
+      EXPECT_EQ(findings_in(db), "");
+      const MergeRow row = *find_merge(db, JobId{id});
+      const std::optional<MergeState> state = load_merge_state(db, JobId{id});
+      if (state) {
+        ++olds;
+        EXPECT_EQ(*state, old);
+        EXPECT_EQ(row.state, JobState::kBudgetExhausted);
+        EXPECT_EQ(row.spent.verifications, 60U);
+        EXPECT_FALSE(list_curve(db, row.id, 1).empty());
+      } else {
+        ++news;
+        EXPECT_EQ(row.state, JobState::kQueued);
+        EXPECT_EQ(row.spent, Spent{});
+        EXPECT_TRUE(list_curve(db, row.id, 1).empty());
+      }
     }
     store_.close();
   }
