@@ -44,6 +44,8 @@ double portable_log(double x) {
   return exponent * kLn2 + 2 * t * series;
 }
 
+double portable_log2(double x) { return portable_log(x) / kLn2; }
+
 double portable_log10(double x) { return portable_log(x) / kLn10; }
 
 double log10_binomial(int n, int k) {

@@ -9,8 +9,9 @@
 
 namespace mapweld {
 
-// Natural and decimal logarithm of x > 0, relative error below 1e-14.
+// Natural, binary and decimal logarithm of x > 0, relative error below 1e-14.
 double portable_log(double x);
+double portable_log2(double x);
 double portable_log10(double x);
 
 // Decimal logarithm of the binomial coefficient n over k, 0 <= k <= n <= 65535.

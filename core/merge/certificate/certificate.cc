@@ -9,6 +9,7 @@
 
 #include "core/graph/components.h"
 #include "core/graph/disjoint_sets.h"
+#include "core/merge/certificate/component_edges.h"
 
 namespace mapweld {
 namespace {
@@ -81,30 +82,21 @@ Certificate certify(const AppearanceGraph& graph, const LargestComponentConnecti
     result.joinable_vertices = joinable(connected_components(graph), candidates);
   }
 
-  constexpr int kOutside = -1;
-  std::vector<int> inside(graph.vertices(), kOutside);
-  for (std::size_t i = 0; i < largest.vertices.size(); ++i) inside[to_index(largest.vertices[i])] = static_cast<int>(i);
-  std::vector<OpenCandidate> within;
+  ComponentEdges within = component_edges(graph, largest.vertices);
+  const std::size_t edges_now = within.edges.size();
   for (const OpenCandidate& c : candidates) {
-    if (inside[to_index(c.u)] != kOutside && inside[to_index(c.v)] != kOutside) within.push_back(c);
+    const int u = within.number_of[to_index(c.u)], v = within.number_of[to_index(c.v)];
+    if (u != ComponentEdges::kOutside && v != ComponentEdges::kOutside) within.edges.push_back({u, v, 1.0});
   }
-  result.open_within = within.size();
-  if (within.empty()) return result;
+  result.open_within = within.edges.size() - edges_now;
+  if (result.open_within == 0) return result;
 
-  std::vector<LaplacianEdge> edges;
-  edges.reserve(graph.edges() + within.size());
-  for (const VertexId u : largest.vertices) {
-    for (const Neighbour& n : graph.neighbours(u)) {
-      if (u < n.vertex) edges.push_back({inside[to_index(u)], inside[to_index(n.vertex)], 1.0});
-    }
-  }
-  for (const OpenCandidate& c : within) edges.push_back({inside[to_index(c.u)], inside[to_index(c.v)], 1.0});
-  const FiedlerIteration reachable =
-      near_fiedler(static_cast<int>(largest.vertices.size()), edges, largest.connectivity.fiedler, options.iteration);
+  const FiedlerIteration reachable = near_fiedler(static_cast<int>(largest.vertices.size()), within.edges,
+                                                  largest.connectivity.fiedler, options.iteration);
   result.iterations = reachable.iterations;
   result.converged = reachable.converged;
   // Any vector's quotient is a bound; of two the better.
-  result.upper_bound = std::min(reachable.value, rayleigh_quotient(largest.connectivity.fiedler, edges).value);
+  result.upper_bound = std::min(reachable.value, rayleigh_quotient(largest.connectivity.fiedler, within.edges).value);
 
   result.certified_fraction = std::min(1.0, result.lower_bound / (result.upper_bound * (1 + kRounding)));
   return result;

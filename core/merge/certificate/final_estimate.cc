@@ -8,6 +8,7 @@
 
 #include "core/graph/components.h"
 #include "core/graph/disjoint_sets.h"
+#include "core/merge/certificate/component_edges.h"
 #include "core/random.h"
 
 namespace mapweld {
@@ -31,16 +32,8 @@ FinalEstimate estimate_final(const AppearanceGraph& graph, const LargestComponen
                              std::span<const OpenCandidate> open, const FinalEstimateOptions& options) {
   if (largest.vertices.empty() || open.empty()) return {};
   const Components components = connected_components(graph);
-  constexpr int kOutside = -1;
-  std::vector<int> inside(graph.vertices(), kOutside);
-  for (std::size_t i = 0; i < largest.vertices.size(); ++i) inside[to_index(largest.vertices[i])] = static_cast<int>(i);
-  std::vector<LaplacianEdge> edges;
-  for (const VertexId u : largest.vertices) {
-    for (const Neighbour& n : graph.neighbours(u)) {
-      if (u < n.vertex) edges.push_back({inside[to_index(u)], inside[to_index(n.vertex)], 1.0});
-    }
-  }
-  const std::size_t edges_now = edges.size();
+  ComponentEdges within = component_edges(graph, largest.vertices);
+  const std::size_t edges_now = within.edges.size();
   std::vector<OpenCandidate> candidates;
   for (const OpenCandidate& c : open) {
     if (!graph.has_edge(c.u, c.v)) candidates.push_back({std::min(c.u, c.v), std::max(c.u, c.v), c.chance, c.place});
@@ -53,21 +46,21 @@ FinalEstimate estimate_final(const AppearanceGraph& graph, const LargestComponen
   FinalEstimate sum{0, 0};
   for (int sample = 0; sample < options.samples; ++sample) {
     DisjointSets joined(components.count());
-    edges.resize(edges_now);
+    within.edges.resize(edges_now);
     for (const OpenCandidate& c : candidates) {
       if (draw(c, sample) >= c.chance) continue;
       joined.join(components.component_of[to_index(c.u)], components.component_of[to_index(c.v)]);
-      const int u = inside[to_index(c.u)], v = inside[to_index(c.v)];
-      if (u != kOutside && v != kOutside) edges.push_back({u, v, 1.0});
+      const int u = within.number_of[to_index(c.u)], v = within.number_of[to_index(c.v)];
+      if (u != ComponentEdges::kOutside && v != ComponentEdges::kOutside) within.edges.push_back({u, v, 1.0});
     }
     std::vector<std::size_t> size(components.count(), 0);
     for (std::uint32_t c = 0; c < components.count(); ++c) size[joined.root(c)] += components.sizes[c];
     sum.vertices_share +=
         static_cast<double>(largest.vertices.size()) / static_cast<double>(*std::ranges::max_element(size));
     double fraction = 1;
-    if (edges.size() > edges_now) {
-      const double end = near_fiedler(static_cast<int>(largest.vertices.size()), edges, largest.connectivity.fiedler,
-                                      options.iteration)
+    if (within.edges.size() > edges_now) {
+      const double end = near_fiedler(static_cast<int>(largest.vertices.size()), within.edges,
+                                      largest.connectivity.fiedler, options.iteration)
                              .value;
       fraction = std::min(1.0, largest.connectivity.value / end);
     }

@@ -4,110 +4,32 @@
 #include <array>
 #include <utility>
 
-#include "core/graph/components.h"
+#include "core/merge/certificate/hop_search.h"
 #include "core/merge/logistic.h"
 #include "core/merge/spectral/pass_model.h"
 
 namespace mapweld {
 namespace {
 
-// How near each other the images of a candidate are in the graph of confirmed edges, the candidate itself left out.
-enum Nearness : std::uint8_t { kTwoHops, kThreeHops, kFourHops, kSameComponent, kOtherComponent, kClasses };
-
-constexpr int kMostHops = 4;
 constexpr double kOffsetVariance = 20;  // of a class's offset, before verdicts: wide
 
-// Log-odds by class: fitted on the real places but one and on rendered seeds 301 to 310 (docs/certificate.md).
+// Log-odds by class: fitted on the real places and on rendered seeds 301 to 310 (docs/certificate.md).
 struct Weights {
-  double constant, votes, rivals, passes, done, smaller_component;
+  double constant, votes, rivals, passes, done, smaller_component_log2;
 };
-constexpr std::array<Weights, kClasses> kCandidates{{
+constexpr std::array<Weights, kNearnesses> kCandidates{{
     {0.627, 1.441, -1.463, 0.406, -1.649, 0},
     {-0.950, 1.823, -1.121, 0.414, -2.918, 0},
     {-1.620, 1.933, -0.876, 0.530, -2.197, 0},
     {-2.140, 2.078, -0.586, 0.690, -1.805, 0},
-    {-2.979, 1.740, -0.837, 0.247, -1.943, -1.584},
+    {-2.979, 1.740, -0.837, 0.247, -1.943, -0.198},
 }};
 // Of verified edges that are not confirmed.
 struct WithheldWeights {
-  std::array<double, kClasses> by_class;
+  std::array<double, kNearnesses> by_class;
   double confidence, done, left;
 };
 constexpr WithheldWeights kWithheld{{-0.042, 0.018, 0.734, -0.578, 0.026}, 0.425, -1.831, 1.519};
-
-double log2_of(double x) { return portable_log(x) / 0.6931471805599453; }
-
-struct Relation {
-  Nearness nearness;
-  double smaller_component;  // kOtherComponent: an eighth of log2 of the vertices of the smaller of the two
-};
-
-// Hops from one image to others, up to kMostHops.
-class HopSearch {
- public:
-  explicit HopSearch(const AppearanceGraph& graph)
-      : graph_(graph),
-        components_(connected_components(graph)),
-        hops_(graph.vertices()),
-        search_(graph.vertices(), 0) {}
-
-  // As seen from `from`, until the next call.
-  void begin(VertexId from) {
-    ++number_;
-    reach(from, 0);
-    queue_ = {from};
-    for (std::size_t i = 0; i < queue_.size(); ++i) {
-      const std::uint32_t next = hops_[to_index(queue_[i])] + 1;
-      if (next > kMostHops) break;
-      for (const Neighbour& n : graph_.neighbours(queue_[i])) {
-        if (search_[to_index(n.vertex)] == number_) continue;
-        reach(n.vertex, next);
-        queue_.push_back(n.vertex);
-      }
-    }
-    from_ = from;
-  }
-  Relation to(VertexId v) const {
-    if (search_[to_index(v)] == number_) return {of_hops(hops_[to_index(v)]), 0};
-    if (components_.component_of[to_index(from_)] == components_.component_of[to_index(v)]) return {kSameComponent, 0};
-    return {kOtherComponent, size_feature(std::min(size_of(from_), size_of(v)))};
-  }
-  // Between the ends of an edge, were it not there.
-  Relation without_edge(VertexId u, VertexId v) {
-    ++number_;
-    reach(u, 0);
-    queue_ = {u};
-    for (std::size_t i = 0; i < queue_.size(); ++i) {
-      const std::uint32_t next = hops_[to_index(queue_[i])] + 1;
-      for (const Neighbour& n : graph_.neighbours(queue_[i])) {
-        if (search_[to_index(n.vertex)] == number_ || (queue_[i] == u && n.vertex == v)) continue;
-        if (n.vertex == v) return {of_hops(next), 0};
-        reach(n.vertex, next);
-        queue_.push_back(n.vertex);
-      }
-    }
-    const std::size_t side = queue_.size();
-    return {kOtherComponent, size_feature(std::min(side, size_of(u) - side))};
-  }
-
- private:
-  static Nearness of_hops(std::uint32_t hops) {
-    return static_cast<Nearness>(std::clamp<std::uint32_t>(hops, 2, kMostHops + 1) - 2);
-  }
-  std::size_t size_of(VertexId v) const { return components_.sizes[components_.component_of[to_index(v)]]; }
-  static double size_feature(std::size_t vertices) { return log2_of(static_cast<double>(vertices)) / 8; }
-  void reach(VertexId v, std::uint32_t hops) {
-    search_[to_index(v)] = number_;
-    hops_[to_index(v)] = hops;
-  }
-
-  const AppearanceGraph& graph_;
-  Components components_;
-  std::vector<std::uint32_t> hops_, search_;
-  std::uint32_t number_ = 0;
-  VertexId from_{};
-  std::vector<VertexId> queue_;
-};
 
 // The offset of a class's log-odds that its verdicts are likeliest with.
 double offset_of(const std::vector<std::pair<double, bool>>& verdicts) {
@@ -181,6 +103,7 @@ void Forecast::begin(const Merger& merger, const std::vector<Candidate>& open) {
   }
   const auto positions = static_cast<std::uint32_t>(vertex_at_.size());
   evidence_.emplace(positions, positions, std::move(cells));
+  stretch_ = stretches_of(AppearanceGraph(state.vertices, merger.input().inner_edges));
 }
 
 std::uint32_t Forecast::number_of(VertexId u, VertexId v) const {
@@ -197,7 +120,7 @@ void Forecast::note_verdicts(const MergeState& state) {
   }
 }
 
-std::optional<std::vector<OpenCandidate>> Forecast::open(const Merger& merger,
+std::optional<std::vector<OpenCandidate>> Forecast::open(const Merger& merger, const AppearanceGraph& confirmed_graph,
                                                          std::span<const EdgeStanding> standings) {
   if (merger.done()) return std::vector<OpenCandidate>{};
   if (!evidence_) {
@@ -215,26 +138,23 @@ std::optional<std::vector<OpenCandidate>> Forecast::open(const Merger& merger,
 
   const double done = count == 0 ? 1 : static_cast<double>(state.verifications) / count;
   const PassModel model(evidence_->counts());
-  AppearanceGraph graph(state.vertices, merger.input().inner_edges);
-  for (std::size_t e = 0; e < state.edges.size(); ++e) {
-    if (standings.empty() || standings[e].confirmed) graph.add_edge(state.edges[e].u, state.edges[e].v, 1);
-  }
-  HopSearch hops(graph);
+  HopSearch hops(confirmed_graph);
   struct Open {
     std::uint32_t candidate;
     Nearness nearness;
     double odds;
   };
   std::vector<Open> open;
-  std::array<std::vector<std::pair<double, bool>>, kClasses> verdicts;
+  std::array<std::vector<std::pair<double, bool>>, kNearnesses> verdicts;
   // A search from each row serves all its candidates but the edges, which have to be left out one by one.
   std::vector<std::uint32_t> confirmed;
   const auto take = [&](std::uint32_t c, const Relation& relation) {
     const CandidateEvidence::Cell& cell = evidence_->cell(c);
     const Weights& w = kCandidates[relation.nearness];
-    double odds = w.constant + w.votes * log2_of(static_cast<double>(cell.votes) / merger.input().options.min_votes) +
+    double odds = w.constant +
+                  w.votes * portable_log2(static_cast<double>(cell.votes) / merger.input().options.min_votes) +
                   w.rivals * rivals_[c] + w.passes * log_odds(model.chance(PassModel::cell(evidence_->features(c)))) +
-                  w.done * done + w.smaller_component * relation.smaller_component;
+                  w.done * done + w.smaller_component_log2 * relation.smaller_component_log2;
     if (evidence_->verdict(c) == CandidateEvidence::Verdict::kNone) {
       open.push_back({c, relation.nearness, odds});
     } else {
@@ -257,16 +177,13 @@ std::optional<std::vector<OpenCandidate>> Forecast::open(const Merger& merger,
     take(c, hops.without_edge(vertex_at_[cell.row], vertex_at_[cell.column]));
   }
 
-  std::array<double, kClasses> offsets{};
-  for (int k = 0; k < kClasses; ++k)
-    offsets[static_cast<std::size_t>(k)] = offset_of(verdicts[static_cast<std::size_t>(k)]);
-  const std::vector<std::uint32_t> stretch =
-      stretches_of(AppearanceGraph(merger.graph().vertices(), merger.input().inner_edges));
+  std::array<double, kNearnesses> offsets{};
+  for (std::size_t k = 0; k < kNearnesses; ++k) offsets[k] = offset_of(verdicts[k]);
   const auto forecast = [&](VertexId u, VertexId v, bool comes_with_its_place, double chance) {
     const auto [a, b] = std::minmax(u, v);
     OpenCandidate told{a, b, chance};
     if (comes_with_its_place) {
-      const auto [s, t] = std::minmax(stretch[to_index(a)], stretch[to_index(b)]);
+      const auto [s, t] = std::minmax(stretch_[to_index(a)], stretch_[to_index(b)]);
       told.place = {VertexId{s}, VertexId{t}};
     }
     return told;
@@ -278,7 +195,7 @@ std::optional<std::vector<OpenCandidate>> Forecast::open(const Merger& merger,
                               logistic(o.odds + offsets[o.nearness])));
   }
   if (standings.empty()) return result;
-  const double left = log2_of(1 - done + 1e-3);
+  const double left = portable_log2(1 - done + 1e-3);
   for (std::size_t e = 0; e < state.edges.size(); ++e) {
     if (standings[e].confirmed) continue;
     const Nearness nearness = hops.without_edge(state.edges[e].u, state.edges[e].v).nearness;

@@ -28,9 +28,11 @@ class Forecast {
  public:
   // All candidates without a verdict and all verified edges without confirmation, each with the chance that it will be
   // confirmed in the end. Nothing while there are votes still to be counted. `standings`: of each edge of the state, in
-  // its order; empty: all are confirmed. Always the same merge, or one resumed from its state.
+  // its order; empty: all are confirmed. `confirmed_graph`: inner edges and confirmed inter edges. Always the same
+  // merge, or one resumed from its state.
   // Cost: a search of four hops from each image that has candidates, and a few dozen operations a candidate.
-  std::optional<std::vector<OpenCandidate>> open(const Merger& merger, std::span<const EdgeStanding> standings);
+  std::optional<std::vector<OpenCandidate>> open(const Merger& merger, const AppearanceGraph& confirmed_graph,
+                                                 std::span<const EdgeStanding> standings);
 
  private:
   void begin(const Merger& merger, const std::vector<Candidate>& open);
@@ -40,6 +42,7 @@ class Forecast {
   std::vector<std::uint32_t> position_;  // of each merged vertex in the sequence of all members, one after the other
   std::vector<VertexId> vertex_at_;      // by position; gaps between members hold no vertex
   std::vector<double> rivals_;           // by candidate: its votes as a share of the most of either image's, summed
+  std::vector<std::uint32_t> stretch_;   // of its own map that each merged vertex lies in
   std::optional<CandidateEvidence> evidence_;
   std::size_t edges_noted_ = 0, rejected_noted_ = 0;
 };

@@ -17,8 +17,8 @@ struct NearFiedlerOptions {
 };
 
 // The Fiedler vector of a connected graph of n >= 2 vertices, and an upper bound of lambda_2 that is mostly within
-// 0.1 %. `start`: a vector near it, or empty. Deterministic. Two dozen products with
-// the Laplacian, no factor of it.
+// 0.1 % of it (certificate_test). `start`: a vector near it, or empty. Deterministic. Two dozen products with the
+// Laplacian, no factor of it.
 FiedlerIteration near_fiedler(int vertices, std::span<const LaplacianEdge> edges, const Eigen::VectorXd& start,
                               const NearFiedlerOptions& options = {});
 

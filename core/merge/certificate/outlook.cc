@@ -6,14 +6,14 @@ void Outlook::look(const Merger& merger) {
   const MergeState& state = merger.state();
   if (step_ == state.step) return;
   const std::vector<EdgeStanding> standings = judge_ ? judge_(merger) : std::vector<EdgeStanding>{};
-  open_ = forecast_.open(merger, standings);
+  graph_ = AppearanceGraph(merger.graph().vertices(), merger.input().inner_edges);
+  for (std::size_t e = 0; e < state.edges.size(); ++e) {
+    if (standings.empty() || standings[e].confirmed) graph_.add_edge(state.edges[e].u, state.edges[e].v, 1);
+  }
+  open_ = forecast_.open(merger, graph_, standings);
   certificate_.reset();
   has_something_ = false;
   if (open_) {
-    graph_ = AppearanceGraph(merger.graph().vertices(), merger.input().inner_edges);
-    for (std::size_t e = 0; e < state.edges.size(); ++e) {
-      if (standings.empty() || standings[e].confirmed) graph_.add_edge(state.edges[e].u, state.edges[e].v, 1);
-    }
     largest_ = largest_component_connectivity(graph_);
     certificate_ = certify(graph_, largest_, *open_);
     has_something_ = certificate_->open_within > 0 || certificate_->joinable_vertices == 0;

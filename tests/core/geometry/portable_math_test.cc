@@ -17,6 +17,7 @@ TEST(PortableMath, LogarithmsAgreeWithTheLibrary) {
     const double x = std::ldexp(1 + static_cast<double>(random() >> 11) * 0x1p-53, static_cast<int>(exponent));
     EXPECT_NEAR(portable_log(x), std::log(x), 1e-13 * std::max(1.0, std::fabs(std::log(x))));
     EXPECT_NEAR(portable_log10(x), std::log10(x), 1e-13 * std::max(1.0, std::fabs(std::log10(x))));
+    EXPECT_NEAR(portable_log2(x), std::log2(x), 1e-13 * std::max(1.0, std::fabs(std::log2(x))));
   }
   EXPECT_EQ(portable_log(1), 0);
   EXPECT_NEAR(portable_log(5e-324), std::log(5e-324), 1e-10);

@@ -64,6 +64,14 @@ ToyWorld toy_world(std::uint32_t seed) {
   return world;
 }
 
+ToyWorld large_toy_world(std::uint32_t seed, std::string_view method) {
+  ToyWorld world = toy_world(seed);
+  world.method = method;
+  world.sizes = {40, 30};
+  world.accept_share = 0.4;
+  return world;
+}
+
 Verification HashVerifier::verify(const AppearanceVector& a, const AppearanceVector& b) const {
   const auto [low, high] = std::minmax(a.width_px, b.width_px);
   std::uint64_t hash = (static_cast<std::uint64_t>(low) << 32) | static_cast<std::uint64_t>(high);

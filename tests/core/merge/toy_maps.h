@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/merge/merge_input.h"
@@ -31,6 +32,9 @@ MergeInput make_toy_merge(const ToyWorld& world);
 // Worlds of many shapes, one a seed: either map the larger, both of one size, an empty one; all vote rules; strict and
 // lenient verifiers.
 ToyWorld toy_world(std::uint32_t seed);
+
+// Larger: members of 40 and 30 images, of whose candidates two in five pass.
+ToyWorld large_toy_world(std::uint32_t seed, std::string_view method);
 
 // A pure function of the pair: a hash of the two widths decides, and gives inliers, false alarms and matches.
 class HashVerifier final : public PairVerifier {

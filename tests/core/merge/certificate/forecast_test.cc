@@ -15,19 +15,11 @@
 namespace mapweld {
 namespace {
 
-test::ToyWorld world_of(std::uint32_t seed, std::string_view method) {
-  test::ToyWorld world = test::toy_world(seed);
-  world.method = method;
-  world.sizes = {40, 30};
-  world.accept_share = 0.4;
-  return world;
-}
-
 using PairSet = std::set<std::pair<VertexId, VertexId>>;
 
 TEST(Forecast, IsOfWhatHasNoVerdictAndOfWhatIsWithheld) {
   for (const std::string_view method : {"quickconnect", "random-candidates", "spectral"}) {
-    const auto merger = make_merger(make_toy_merge(world_of(3, method)));
+    const auto merger = make_merger(make_toy_merge(test::large_toy_world(3, method)));
     run(*merger, stop_when_merger(
                      [](const Merger& m) { return m.open_candidates().has_value() && m.state().verifications >= 60; },
                      StopReason::kPaused));
@@ -35,12 +27,18 @@ TEST(Forecast, IsOfWhatHasNoVerdictAndOfWhatIsWithheld) {
     const std::vector<Candidate> left = merger->open_candidates().value();
     for (const Candidate& c : left) expected.insert(std::minmax(c.source, c.target));
     std::vector<EdgeStanding> standings(merger->state().edges.size());
-    for (std::size_t e = 0; e < standings.size(); e += 3) {
-      standings[e] = {false, 0.5};
-      expected.emplace(merger->state().edges[e].u, merger->state().edges[e].v);
+    AppearanceGraph confirmed(merger->graph().vertices(), merger->input().inner_edges);
+    for (std::size_t e = 0; e < standings.size(); ++e) {
+      const MergeEdge& edge = merger->state().edges[e];
+      if (e % 3 == 0) {
+        standings[e] = {false, 0.5};
+        expected.emplace(edge.u, edge.v);
+      } else {
+        confirmed.add_edge(edge.u, edge.v, 1);
+      }
     }
     PairSet told;
-    const auto open = Forecast().open(*merger, standings);
+    const auto open = Forecast().open(*merger, confirmed, standings);
     ASSERT_TRUE(open) << method;
     for (const OpenCandidate& c : *open) {
       EXPECT_TRUE(told.emplace(c.u, c.v).second) << "twice";
@@ -52,11 +50,11 @@ TEST(Forecast, IsOfWhatHasNoVerdictAndOfWhatIsWithheld) {
 }
 
 TEST(Forecast, SaysNothingWhileThereAreVotesToBeCounted) {
-  const auto merger = make_merger(make_toy_merge(world_of(1, "spectral")));
+  const auto merger = make_merger(make_toy_merge(test::large_toy_world(1, "spectral")));
   ASSERT_FALSE(merger->open_candidates());
-  EXPECT_FALSE(Forecast().open(*merger, {}));
+  EXPECT_FALSE(Forecast().open(*merger, merger->graph(), {}));
   run(*merger, {});
-  EXPECT_TRUE(Forecast().open(*merger, {})->empty()) << "done";
+  EXPECT_TRUE(Forecast().open(*merger, merger->graph(), {})->empty()) << "done";
 }
 
 // Worlds in which every candidate passes with the same chance, wherever it lies: what was learnt elsewhere gives way to
@@ -64,12 +62,12 @@ TEST(Forecast, SaysNothingWhileThereAreVotesToBeCounted) {
 TEST(Forecast, ExpectsAboutAsManyEdgesAsCome) {
   double told = 0, came = 0;
   for (std::uint32_t seed = 0; seed < 30; ++seed) {
-    const MergeInput input = make_toy_merge(world_of(200 + seed, "random-candidates"));
+    const MergeInput input = make_toy_merge(test::large_toy_world(200 + seed, "random-candidates"));
     const auto whole = make_merger(input);
     run(*whole, {});
     const auto merger = make_merger(input);
     run(*merger, stop_at_verifications(whole->state().verifications / 2));
-    const auto open = Forecast().open(*merger, {});
+    const auto open = Forecast().open(*merger, merger->graph(), {});
     if (!open) continue;
     for (const OpenCandidate& c : *open) told += c.chance;
     came += static_cast<double>(whole->state().edges.size() - merger->state().edges.size());
@@ -80,13 +78,13 @@ TEST(Forecast, ExpectsAboutAsManyEdgesAsCome) {
 
 TEST(Forecast, IsAFunctionOfTheStateHoweverOftenItWasAsked) {
   for (const std::string_view method : {"spectral", "degree-min"}) {
-    const MergeInput input = make_toy_merge(world_of(5, method));
+    const MergeInput input = make_toy_merge(test::large_toy_world(5, method));
     const auto merger = make_merger(input);
     Forecast follows;
     for (std::uint64_t next = 20; !merger->done(); next += 20) {
       run(*merger, stop_at_verifications(next));
-      const auto followed = follows.open(*merger, {});
-      const auto fresh = Forecast().open(*make_merger(input, merger->state()), {});
+      const auto followed = follows.open(*merger, merger->graph(), {});
+      const auto fresh = Forecast().open(*make_merger(input, merger->state()), merger->graph(), {});
       ASSERT_EQ(followed.has_value(), fresh.has_value());
       if (!followed) continue;
       ASSERT_EQ(followed->size(), fresh->size());

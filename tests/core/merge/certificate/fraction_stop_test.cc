@@ -17,21 +17,13 @@
 namespace mapweld {
 namespace {
 
-test::ToyWorld larger(std::uint32_t seed, std::string_view method) {
-  test::ToyWorld world = test::toy_world(seed);
-  world.method = method;
-  world.sizes = {40, 30};
-  world.accept_share = 0.4;
-  return world;
-}
-
 // What stop_at_fraction and a job's status tell is held against the merge's own end, for every method: at no moment
 // does the certificate say more than was true of the component of that moment.
 TEST(FractionOfAMerge, IsNeverCertifiedTooHigh) {
   std::map<std::string_view, int> told;
   for (const std::string_view method : merge_methods()) {
     for (std::uint32_t seed = 0; seed < 9; ++seed) {
-      const MergeInput input = make_toy_merge(larger(seed, method));
+      const MergeInput input = make_toy_merge(test::large_toy_world(seed, method));
       const auto whole = make_merger(input);
       run(*whole, {});
       const auto merger = make_merger(input);
@@ -68,7 +60,7 @@ TEST(FractionOfAMerge, IsNeverCertifiedTooHigh) {
 
 TEST(FractionOfAMerge, TheOpenCandidatesAreThoseThatAreVerifiedLater) {
   for (const std::string_view method : merge_methods()) {
-    const MergeInput input = make_toy_merge(larger(3, method));
+    const MergeInput input = make_toy_merge(test::large_toy_world(3, method));
     const auto merger = make_merger(input);
     run(*merger, stop_when_merger(
                      [](const Merger& m) { return m.open_candidates().has_value() && m.state().verifications >= 20; },
@@ -100,7 +92,7 @@ std::vector<FractionCase> stopping_cases() {
   std::vector<FractionCase> cases;
   for (const std::string_view method : merge_methods()) {
     {
-      const MergeInput input = make_toy_merge(larger(1, method));
+      const MergeInput input = make_toy_merge(test::large_toy_world(1, method));
       for (const bool certified : {true, false}) {
         for (const double fraction : {0.5, 0.8}) {
           const auto straight = make_merger(input);
