@@ -14,13 +14,10 @@
 #include "schema/merge_state_store.h"
 #include "schema/store_check.h"
 #include "server/jobs/merge_jobs.h"
-#include "tests/server/jobs/stored_toy_maps.h"
+#include "tests/server/jobs/jobs_fixture.h"
 
 namespace mapweld::server {
 namespace {
-
-using test::ToyWorld;
-constexpr std::chrono::seconds kLong{60};
 
 // But for the matches, which the toys' verifier invents.
 std::string findings_in(const Reader& db) {
@@ -32,23 +29,10 @@ std::string findings_in(const Reader& db) {
   return all;
 }
 
-class MergeJobsRestart : public ::testing::Test {
+class MergeJobsRestart : public JobsOnToyMaps {
  protected:
-  void SetUp() override {
-    test::store_toy_maps(store_, world_);
-    open();
-  }
-  void open() {
-    jobs_ = std::make_unique<MergeJobs>(store_, test::job_options(verifier_));
-    jobs_->start();
-  }
-  std::int64_t submit(const MergeBudget& budget = {}, const std::string& name = "ab") {
-    MergeRequest request = test::request_of(world_, name);
-    request.budget = budget;
-    return jobs_->submit(request).id;
-  }
   std::int64_t finish(std::int64_t id, JobState state) {
-    EXPECT_EQ(jobs_->wait(id, kLong).state, state);
+    EXPECT_EQ(wait(id).state, state);
     return id;
   }
   void damage(const std::string& sql) {
@@ -56,26 +40,6 @@ class MergeJobsRestart : public ::testing::Test {
     db.connection().execute(sql);
     db.commit();
   }
-  template <typename Call>
-  static std::string code_of(const Call& call) {
-    try {
-      call();
-    } catch (const MergeJobError& error) {
-      return error.code();
-    }
-    return "none";
-  }
-  static MergeBudget verifications(std::uint64_t n) {
-    MergeBudget budget;
-    budget.verifications = n;
-    return budget;
-  }
-
-  ToyWorld world_ = test::toy_world(19);
-  std::shared_ptr<test::SlowVerifier> verifier_ =
-      std::make_shared<test::SlowVerifier>(world_.accept_share, std::chrono::microseconds(200));
-  test::TempStore store_;
-  std::unique_ptr<MergeJobs> jobs_;
 };
 
 TEST_F(MergeJobsRestart, FromEveryStateAtRestItEndsAsIfItHadNeverRun) {
@@ -183,23 +147,23 @@ TEST_F(MergeJobsRestart, ItTakesInWhatTheMembersHaveGained) {
 }
 
 TEST_F(MergeJobsRestart, WhatMayNotBeRestartedIsAsItWas) {
-  EXPECT_EQ(code_of([&] { jobs_->restart(99, std::nullopt); }), "no_such_merge");
+  expect_code("no_such_merge", [&] { jobs_->restart(99, std::nullopt); });
   const std::int64_t ab = finish(submit(verifications(30)), JobState::kBudgetExhausted);
-  EXPECT_EQ(code_of([&] { jobs_->restart(ab, verifications(0)); }), "invalid_budget");
+  expect_code("invalid_budget", [&] { jobs_->restart(ab, verifications(0)); });
   const MergeState state = test::stored_state(store_, ab);
 
   test::store_toy_maps(store_, world_, "c", "d");
   MergeRequest request = test::request_of(world_, "abc");
   request.maps = {"ab", "c"};
   const std::int64_t abc = finish(jobs_->submit(request).id, JobState::kCompleted);
-  EXPECT_EQ(code_of([&] { jobs_->restart(ab, std::nullopt); }), "map_in_use");
+  expect_code("map_in_use", [&] { jobs_->restart(ab, std::nullopt); });
   EXPECT_EQ(test::stored_state(store_, ab), state);
   EXPECT_EQ(jobs_->get(ab).state, JobState::kBudgetExhausted);
 
   verifier_->delay = std::chrono::milliseconds(20);
   jobs_->resume(ab, std::nullopt);
-  EXPECT_EQ(code_of([&] { jobs_->restart(ab, std::nullopt); }), "wrong_state");   // it runs
-  EXPECT_EQ(code_of([&] { jobs_->restart(abc, std::nullopt); }), "wrong_state");  // its member does
+  expect_code("wrong_state", [&] { jobs_->restart(ab, std::nullopt); });   // it runs
+  expect_code("wrong_state", [&] { jobs_->restart(abc, std::nullopt); });  // its member does
   jobs_->pause(ab);
   finish(jobs_->restart(abc, verifications(1)).id, JobState::kBudgetExhausted);
 }
