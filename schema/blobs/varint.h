@@ -18,6 +18,7 @@ inline std::optional<std::uint64_t> read_varint(const std::uint8_t*& at, const s
   std::uint64_t value = 0;
   for (int shift = 0; shift < 64 && at != end; shift += 7) {
     const std::uint8_t byte = *at++;
+    if (shift == 63 && byte > 1) return std::nullopt;
     value |= std::uint64_t{byte & 0x7fU} << shift;
     if (byte < 0x80) return value;
   }

@@ -94,6 +94,10 @@ TEST(Varint, IsLeb128) {
   const Bytes endless(11, 0x80);
   const std::uint8_t* at = endless.data();
   EXPECT_EQ(read_varint(at, endless.data() + endless.size()), std::nullopt);
+  // The tenth byte has room for one bit.
+  const std::vector<std::uint8_t> beyond{0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x02};
+  at = beyond.data();
+  EXPECT_EQ(read_varint(at, beyond.data() + beyond.size()), std::nullopt);
 }
 
 TEST(PostingBlob, ItsBytesArePinned) {
