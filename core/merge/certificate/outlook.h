@@ -24,6 +24,7 @@ class Outlook {
  public:
   explicit Outlook(EdgeJudge judge = {}) : judge_(std::move(judge)) {}
   std::optional<Certificate> certificate(const Merger& merger);
+  // Something whenever the certificate is.
   std::optional<FinalEstimate> estimate(const Merger& merger);
 
  private:
@@ -33,11 +34,10 @@ class Outlook {
   Forecast forecast_;
   // As looked at last:
   std::optional<std::uint64_t> step_;
-  std::optional<std::vector<OpenCandidate>> open_;
-  AppearanceGraph graph_;
+  std::vector<EdgeStanding> standings_;
+  AppearanceGraph graph_;  // of confirmed edges
   LargestComponentConnectivity largest_;
-  std::optional<Certificate> certificate_;
-  bool has_something_ = false;
+  std::optional<Certificate> certificate_;  // none: nothing to tell
 };
 
 }  // namespace mapweld
