@@ -64,6 +64,13 @@ ToyWorld toy_world(std::uint32_t seed) {
   return world;
 }
 
+ToyWorld toy_world_of_several(std::uint32_t seed) {
+  ToyWorld world = toy_world(seed);
+  const std::vector<std::vector<std::uint32_t>> shapes{{8, 8, 8}, {12, 5, 9}, {4, 9, 6, 7}, {0, 5, 6}, {3, 3, 3, 3, 3}};
+  world.sizes = shapes[seed % shapes.size()];
+  return world;
+}
+
 ToyWorld large_toy_world(std::uint32_t seed, std::string_view method) {
   ToyWorld world = toy_world(seed);
   world.method = method;

@@ -36,6 +36,9 @@ ToyWorld toy_world(std::uint32_t seed);
 // Larger: members of 40 and 30 images, of whose candidates two in five pass.
 ToyWorld large_toy_world(std::uint32_t seed, std::string_view method);
 
+// Three to five members, one of them empty for some seeds.
+ToyWorld toy_world_of_several(std::uint32_t seed);
+
 // A pure function of the pair: a hash of the two widths decides, and gives inliers, false alarms and matches.
 class HashVerifier final : public PairVerifier {
  public:

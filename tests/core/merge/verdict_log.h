@@ -2,8 +2,12 @@
 #pragma once
 
 #include <algorithm>
+#include <set>
 #include <tuple>
+#include <utility>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "core/merge/run.h"
 #include "tests/core/merge/paper_oracle.h"
@@ -49,6 +53,16 @@ inline std::vector<std::tuple<VertexId, VertexId, std::uint32_t, int>> edge_set(
   std::vector<std::tuple<VertexId, VertexId, std::uint32_t, int>> edges;
   for (const MergeEdge& e : state.edges) edges.emplace_back(e.u, e.v, e.votes, e.verification.inliers);
   std::sort(edges.begin(), edges.end());
+  return edges;
+}
+
+using PairSet = std::set<std::pair<VertexId, VertexId>>;
+
+// The edges of a merge, whatever their order.
+inline PairSet edges_of(const MergeState& state) {
+  PairSet edges;
+  for (const MergeEdge& e : state.edges) edges.emplace(e.u, e.v);
+  EXPECT_EQ(edges.size(), state.edges.size()) << "an edge twice";
   return edges;
 }
 
