@@ -97,4 +97,14 @@ std::vector<GuardCase> rendered_cases(const std::vector<std::string>& scenarios,
   return cases;
 }
 
+std::vector<GuardCase> chosen_cases(const std::vector<std::string>& names, const std::vector<std::string>& scenarios,
+                                    const std::vector<std::uint64_t>& seeds) {
+  std::vector<GuardCase> cases = seeds.empty() ? real_cases() : rendered_cases(scenarios, seeds);
+  const auto is_named = [&names](const std::string& name) { return std::ranges::find(names, name) != names.end(); };
+  if (!names.empty()) {
+    std::erase_if(cases, [&](const GuardCase& c) { return !is_named(c.name) && !is_named(c.group); });
+  }
+  return cases;
+}
+
 }  // namespace mapweld::evaluation

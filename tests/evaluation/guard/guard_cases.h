@@ -26,4 +26,9 @@ std::vector<GuardCase> real_cases();
 std::vector<GuardCase> rendered_cases(const std::vector<std::string>& scenarios,
                                       const std::vector<std::uint64_t>& seeds);
 
+// Of rendered_cases, or of real_cases when there are no seeds, those whose name or group is among `names`; no names:
+// all.
+std::vector<GuardCase> chosen_cases(const std::vector<std::string>& names, const std::vector<std::string>& scenarios,
+                                    const std::vector<std::uint64_t>& seeds);
+
 }  // namespace mapweld::evaluation

@@ -38,16 +38,6 @@ struct Asked {
   GuardOptions guard;
 };
 
-std::vector<GuardCase> chosen_cases(const Asked& asked) {
-  std::vector<GuardCase> chosen;
-  for (const GuardCase& c : asked.rendered ? rendered_cases(asked.scenarios, asked.seeds) : real_cases()) {
-    const bool is_named = asked.names.empty() || std::ranges::find(asked.names, c.name) != asked.names.end() ||
-                          std::ranges::find(asked.names, c.group) != asked.names.end();
-    if (is_named && (!asked.only_cached || is_cached(c, asked.cache))) chosen.push_back(c);
-  }
-  return chosen;
-}
-
 void figures(const Asked& asked, const std::vector<GuardCase>& cases) {
   Reliability reliability;
   std::string group;
@@ -111,8 +101,9 @@ int run(int argc, char** argv) {
   app.add_option("--threads", asked.threads, "for making merges; change no figure")->check(CLI::PositiveNumber);
   app.add_flag("--only-cached", asked.only_cached, "leaves out what is not in the cache yet");
   CLI11_PARSE(app, argc, argv);
-  if (asked.rendered && asked.seeds.empty()) throw std::invalid_argument("--rendered needs --seeds");
-  const auto cases = chosen_cases(asked);
+  if (asked.rendered == asked.seeds.empty()) throw std::invalid_argument("--rendered and --seeds go together");
+  auto cases = chosen_cases(asked.names, asked.scenarios, asked.seeds);
+  if (asked.only_cached) std::erase_if(cases, [&](const GuardCase& c) { return !is_cached(c, asked.cache); });
   asked.prefixes > 0 ? prefixes(asked, cases) : figures(asked, cases);
   return 0;
 }

@@ -37,16 +37,22 @@ class KnownVerdicts final : public PairVerifier {
 
 }  // namespace
 
-std::vector<MergeEdge> edges_as_found(const JudgedMerge& judged) {
+MergeInput known_merge(const JudgedMerge& judged, std::vector<Edge> inner_edges) {
   MergeInput input;
   input.members = judged.merge.members();
-  for (const VerifiedEdge& edge : judged.inner) {
-    input.inner_edges.push_back({edge.u, edge.v, static_cast<std::uint32_t>(edge.inlier_matches.size())});
-  }
+  input.inner_edges = std::move(inner_edges);
   input.appearances = std::make_shared<AppearanceTable>(judged.merge.appearances());
   input.verifier = std::make_shared<KnownVerdicts>(judged.merge);
   input.options.method = "spectral";
-  const auto merger = make_merger(std::move(input));
+  return input;
+}
+
+std::vector<MergeEdge> edges_as_found(const JudgedMerge& judged) {
+  std::vector<Edge> inner;
+  for (const VerifiedEdge& edge : judged.inner) {
+    inner.push_back({edge.u, edge.v, static_cast<std::uint32_t>(edge.inlier_matches.size())});
+  }
+  const auto merger = make_merger(known_merge(judged, std::move(inner)));
   while (!merger->done()) merger->step();
   std::vector<MergeEdge> edges = merger->state().edges;
   if (edges.size() != judged.merge.inter_edges.size())
