@@ -8,6 +8,7 @@
 #include "core/graph/fiedler_iteration.h"
 #include "core/graph/sparsify.h"
 #include "core/merge/certificate/certificate.h"
+#include "core/merge/certificate/final_estimate.h"
 #include "core/merge/merge_input.h"
 #include "core/merge/merge_metrics.h"
 #include "tests/core/graph/sample_graphs.h"
@@ -72,6 +73,18 @@ void Certify(benchmark::State& state) {
       ->Args({20000, 200000, 10000}) \
       ->Unit(benchmark::kMillisecond)
 BENCHMARK(Certify)->SIZES;
+
+// The estimate beside it, chances and lambda_2 known.
+void EstimateFinal(benchmark::State& state) {
+  const auto n = static_cast<std::uint32_t>(state.range(0));
+  const AppearanceGraph graph = two_walks(n, static_cast<std::uint32_t>(state.range(2)));
+  const std::vector<OpenCandidate> open = candidates(n, static_cast<std::uint32_t>(state.range(1)));
+  const LargestComponentConnectivity largest = largest_component_connectivity(graph);
+  FinalEstimate result;
+  for (auto _ : state) result = estimate_final(graph, largest, open);
+  state.counters["estimated"] = result.fraction;
+}
+BENCHMARK(EstimateFinal)->SIZES;
 
 // Argument 4: ten times the oversampling of the preconditioner.
 void CertifyWithLambdaKnown(benchmark::State& state) {
