@@ -1,5 +1,4 @@
 // The paths of docs/http-api.md over loopback, as a client sees them.
-#include <fstream>
 #include <set>
 
 #include <gmock/gmock.h>
@@ -367,58 +366,6 @@ TEST(Api, AMapsMask) {
   EXPECT_EQ(api.del("/v1/maps/a/mask").status, 204);
   EXPECT_EQ(api.get("/v1/maps/a/mask").status, 404);
   EXPECT_EQ(api.del("/v1/maps/a/mask").status, 204) << "as asked: there is none";
-}
-
-// Every path of the router is in docs/openapi.json and the other way round, with its method and query parameters.
-TEST(Api, OpenapiDescribesWhatThereIs) {
-  ApiUnderTest api;
-  const contract::Json document = api.get("/v1/openapi.json").json();
-  EXPECT_THAT(document["openapi"].get<std::string>(), StartsWith("3.1"));
-  std::set<std::string> described;
-  for (const auto& [path, operations] : document["paths"].items()) {
-    for (const auto& [method, operation] : operations.items()) {
-      if (method == "parameters") continue;
-      std::string upper = method;
-      std::transform(upper.begin(), upper.end(), upper.begin(), ::toupper);
-      std::set<std::string> query;
-      if (operation.contains("parameters")) {
-        for (const auto& parameter : operation["parameters"]) {
-          if (parameter["in"] == "query") query.insert(parameter["name"].get<std::string>());
-        }
-      }
-      std::string line = upper + " " + path;
-      for (const std::string& name : query) line += " " + name;
-      described.insert(line);
-    }
-  }
-  server::Metrics metrics;
-  const server::Router router = server::make_router({.store = api.services().store(),
-                                                     .metrics = metrics,
-                                                     .vocabularies = api.services().vocabularies(),
-                                                     .maps = api.services().maps(),
-                                                     .masks = api.services().masks(),
-                                                     .images = api.services().images(),
-                                                     .localization = api.services().localization(),
-                                                     .quality = api.services().quality(),
-                                                     .merges = api.services().merges(),
-                                                     .ready = [] { return true; }});
-  std::set<std::string> routed;
-  for (const server::Route& route : router.routes()) {
-    std::string line = route.method + " " + route.pattern;
-    for (const std::string& name : std::set<std::string>(route.query.begin(), route.query.end())) line += " " + name;
-    routed.insert(line);
-  }
-  EXPECT_EQ(described, routed);
-}
-
-// docs/http-api.md lists every code with its status.
-TEST(Api, TheCodePageIsComplete) {
-  std::ifstream in(MAPWELD_SOURCE_DIR "/docs/http-api.md");
-  const std::string page((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  for (const contract::CodeEntry& entry : contract::kCodes) {
-    const std::string row = "| " + std::to_string(entry.status) + " | `" + std::string(entry.code) + "` |";
-    EXPECT_THAT(page, HasSubstr(row));
-  }
 }
 
 }  // namespace

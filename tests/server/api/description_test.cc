@@ -1,0 +1,73 @@
+// What the pages say of the API is what there is.
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/server/support/api_under_test.h"
+
+namespace mapweld::test {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+// Every path of the router is in docs/openapi.json and the other way round, with its method and query parameters.
+TEST(ApiDescription, OpenapiDescribesWhatThereIs) {
+  ApiUnderTest api;
+  const contract::Json document = api.get("/v1/openapi.json").json();
+  EXPECT_THAT(document["openapi"].get<std::string>(), StartsWith("3.1"));
+  std::set<std::string> described;
+  for (const auto& [path, operations] : document["paths"].items()) {
+    for (const auto& [method, operation] : operations.items()) {
+      if (method == "parameters") continue;
+      std::string upper = method;
+      std::transform(upper.begin(), upper.end(), upper.begin(), ::toupper);
+      std::set<std::string> query;
+      if (operation.contains("parameters")) {
+        for (const auto& parameter : operation["parameters"]) {
+          if (parameter["in"] == "query") query.insert(parameter["name"].get<std::string>());
+        }
+      }
+      std::string line = upper + " " + path;
+      for (const std::string& name : query) line += " " + name;
+      described.insert(line);
+    }
+  }
+  server::Metrics metrics;
+  const server::Router router = server::make_router({.store = api.services().store(),
+                                                     .metrics = metrics,
+                                                     .vocabularies = api.services().vocabularies(),
+                                                     .maps = api.services().maps(),
+                                                     .masks = api.services().masks(),
+                                                     .images = api.services().images(),
+                                                     .localization = api.services().localization(),
+                                                     .quality = api.services().quality(),
+                                                     .merges = api.services().merges(),
+                                                     .ready = [] { return true; }});
+  std::set<std::string> routed;
+  for (const server::Route& route : router.routes()) {
+    std::string line = route.method + " " + route.pattern;
+    for (const std::string& name : std::set<std::string>(route.query.begin(), route.query.end())) line += " " + name;
+    routed.insert(line);
+  }
+  EXPECT_EQ(described, routed);
+}
+
+// docs/http-api.md lists every code with its status.
+TEST(ApiDescription, TheCodePageIsComplete) {
+  std::ifstream in(MAPWELD_SOURCE_DIR "/docs/http-api.md");
+  const std::string page((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  for (const contract::CodeEntry& entry : contract::kCodes) {
+    const std::string row = "| " + std::to_string(entry.status) + " | `" + std::string(entry.code) + "` |";
+    EXPECT_THAT(page, HasSubstr(row));
+  }
+}
+
+}  // namespace
+}  // namespace mapweld::test
