@@ -10,32 +10,25 @@ namespace {
 
 using Json = nlohmann::json;
 
-template <typename T>
-void put(Json& json, const char* name, const std::optional<T>& value) {
-  if (value) json[name] = *value;
-}
-
-template <typename T>
-std::optional<T> optional_field(const Json& json, const char* name) {
-  const auto found = json.find(name);
-  if (found == json.end() || found->is_null()) return std::nullopt;
-  return found->get<T>();
-}
-
 template <typename Read>
-auto read_json(const MergeRow& row, const std::string& text, const Read& read) {
+auto read_row(const MergeRow& row, const Read& read) {
   try {
-    return read(Json::parse(text));
-  } catch (const Json::exception& error) {
+    return read();
+  } catch (const std::exception& error) {
     throw StoreError(StoreErrorKind::kCorrupt,
                      "the row of merge " + std::to_string(to_index(row.id)) + " does not make sense: " + error.what());
   }
 }
 
-template <typename T>
-std::optional<T> left_of(const std::optional<T>& allowance, T granted_at, T spent) {
+template <typename Read>
+auto read_json(const MergeRow& row, const std::string& text, const Read& read) {
+  return read_row(row, [&] { return read(Json::parse(text)); });
+}
+
+template <typename Limit, typename Spending>
+std::optional<Limit> left_of(const std::optional<Limit>& allowance, Spending granted_at, Spending spent) {
   if (!allowance) return std::nullopt;
-  const T used = spent - std::min(spent, granted_at);
+  const auto used = static_cast<Limit>(spent - std::min(spent, granted_at));
   return *allowance - std::min(*allowance, used);
 }
 
@@ -53,15 +46,7 @@ std::string to_row(const MergeParameters& parameters) {
       .dump();
 }
 
-std::string to_row(const MergeBudget& budget) {
-  Json json = Json::object();
-  put(json, "seconds", budget.seconds);
-  put(json, "verifications", budget.verifications);
-  put(json, "edges", budget.edges);
-  put(json, "fraction_of_maximum", budget.fraction_of_maximum);
-  if (budget.certified) json["certified"] = true;
-  return json.dump();
-}
+std::string to_row(const MergeBudget& budget) { return contract::dump(contract::Json(budget)); }
 
 std::string to_row(const VerifierOptions& options) {
   return Json{{"min_inliers", options.min_inliers}, {"max_false_alarms", options.max_false_alarms}}.dump();
@@ -107,15 +92,7 @@ MergeParameters parameters_of(const MergeRow& row) {
 }
 
 MergeBudget budget_of(const MergeRow& row) {
-  return read_json(row, row.budget, [](const Json& json) {
-    MergeBudget budget;
-    budget.seconds = optional_field<double>(json, "seconds");
-    budget.verifications = optional_field<std::uint64_t>(json, "verifications");
-    budget.edges = optional_field<std::uint64_t>(json, "edges");
-    budget.fraction_of_maximum = optional_field<double>(json, "fraction_of_maximum");
-    budget.certified = json.value("certified", false);
-    return budget;
-  });
+  return read_row(row, [&row] { return contract::parse_json(row.budget).get<MergeBudget>(); });
 }
 
 MergeBudget remaining_of(const MergeRow& row, const Spent& spent) {

@@ -98,7 +98,7 @@ class Run {
     }
     if (budget.edges) conditions.push_back(stop_at_edges(row_.granted_at.edges + *budget.edges));
     if (budget.fraction_of_maximum) {
-      conditions.push_back(stop_at_fraction(*budget.fraction_of_maximum, budget.certified,
+      conditions.push_back(stop_at_fraction(*budget.fraction_of_maximum, budget.certified.value_or(false),
                                             [this](const Merger&) { return watch_->standings(); }));
     }
     if (budget.seconds) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "client/contract/budget.h"
 #include "core/errors.h"
 #include "core/geometry/pair_verifier.h"
 #include "core/guard/guard_evidence.h"
@@ -17,21 +18,15 @@ namespace mapweld::server {
 
 // A request that cannot be served; `code` is the stable word of http-api.md: "no_such_merge", "no_such_map",
 // "wrong_state", "nothing_to_resume", "name_taken", "map_in_use", "vocabulary_mismatch", "duplicate_member",
-// "too_few_members", "unknown_method", "invalid_budget", "invalid_parameter", "invalid_name". Nothing stored has
-// changed.
+// "too_few_members", "unknown_method", "invalid_parameter", "invalid_name"; a budget is refused by contract::check.
+// Nothing stored has changed.
 class MergeJobError : public CodedError {
   using CodedError::CodedError;
 };
 
-// What a run may spend; absent: unlimited. Whichever is reached first stops it.
-struct MergeBudget {
-  std::optional<double> seconds;               // > 0; of elapsed_s: steps, checkpoints and metrics, the last ones too
-  std::optional<std::uint64_t> verifications;  // > 0; to the very number
-  std::optional<std::uint64_t> edges;          // > 0
-  std::optional<double> fraction_of_maximum;   // in (0, 1]; tested at fixed numbers of verifications
-  bool certified = false;                      // judge the fraction by the certificate, not by the estimate
-  friend bool operator==(const MergeBudget&, const MergeBudget&) = default;
-};
+// What a run may spend. Seconds are those of steps, checkpoints and metrics, the last ones too; verifications are met
+// to the very number; the fraction is tested at fixed numbers of verifications.
+using MergeBudget = contract::Budget;
 
 struct MergeParameters {
   std::uint32_t min_votes = 10;                                  // 1 .. 65535

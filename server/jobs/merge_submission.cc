@@ -58,20 +58,6 @@ std::vector<MapRow> require_members(const Reader& db, const MergeRequest& reques
 
 }  // namespace
 
-void check(const MergeBudget& budget) {
-  if (budget.seconds && !(std::isfinite(*budget.seconds) && *budget.seconds > 0)) {
-    refuse("invalid_budget", "\"seconds\" must be greater than 0.");
-  }
-  if (budget.verifications && *budget.verifications == 0) {
-    refuse("invalid_budget", "\"verifications\" must be greater than 0.");
-  }
-  if (budget.edges && *budget.edges == 0) refuse("invalid_budget", "\"edges\" must be greater than 0.");
-  if (budget.fraction_of_maximum) {
-    const double fraction = *budget.fraction_of_maximum;
-    if (!(fraction > 0 && fraction <= 1)) refuse("invalid_budget", "\"fraction_of_maximum\" must be in (0, 1].");
-  }
-}
-
 void check(const MergeRequest& request) {
   if (request.maps.size() < 2) refuse("too_few_members", "A merge takes two maps or more.");
   if (std::set<std::string>(request.maps.begin(), request.maps.end()).size() != request.maps.size()) {
@@ -84,7 +70,7 @@ void check(const MergeRequest& request) {
     refuse("unknown_method", "There is no method \"" + request.method + "\".");
   }
   check(request.parameters);
-  check(request.budget);
+  contract::check(request.budget);
 }
 
 void require_settled(const Reader& db, MapId map, const std::string& name) {

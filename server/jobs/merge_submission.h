@@ -9,9 +9,8 @@
 
 namespace mapweld::server {
 
-// What can be told without looking at a map. Throws MergeJobError.
+// What can be told without looking at a map. Throws MergeJobError, and as contract::check(Budget).
 void check(const MergeRequest& request);
-void check(const MergeBudget& budget);
 
 // A map that a merge begins with is plain, or its own merge is at rest. Throws MergeJobError "wrong_state" otherwise.
 void require_settled(const Reader& db, MapId map, const std::string& name);

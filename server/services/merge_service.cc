@@ -15,39 +15,9 @@ namespace {
 
 using contract::ContractError;
 
-// A limit beyond what a job counts in is no limit that could ever be reached.
-std::optional<std::uint64_t> limit_of(const std::optional<std::int64_t>& limit) {
-  if (!limit) return std::nullopt;
-  return static_cast<std::uint64_t>(*limit);
-}
-
 std::optional<std::int64_t> describe(const std::optional<std::uint64_t>& limit) {
   if (!limit) return std::nullopt;
   return static_cast<std::int64_t>(*limit);
-}
-
-MergeBudget budget_of(const contract::Budget& budget) {
-  return {.seconds = budget.seconds,
-          .verifications = limit_of(budget.verifications),
-          .edges = limit_of(budget.edges),
-          .fraction_of_maximum = budget.fraction_of_maximum,
-          .certified = budget.certified.value_or(false)};
-}
-
-std::optional<MergeBudget> budget_of(const contract::RunMerge& request) {
-  contract::check(request);
-  if (!request.budget) return std::nullopt;
-  return budget_of(*request.budget);
-}
-
-contract::Budget describe(const MergeBudget& budget) {
-  contract::Budget out;
-  out.seconds = budget.seconds;
-  out.verifications = describe(budget.verifications);
-  out.edges = describe(budget.edges);
-  out.fraction_of_maximum = budget.fraction_of_maximum;
-  if (budget.certified) out.certified = true;
-  return out;
 }
 
 contract::LargestComponent describe(const LargestComponent& component) {
@@ -108,8 +78,8 @@ contract::Merge describe(const MergeStatus& status) {
   merge.estimated_fraction = status.estimated_fraction;
   merge.joinable_vertices = describe(status.joinable_vertices);
   merge.elapsed_s = status.elapsed_s;
-  merge.budget = describe(status.budget);
-  merge.remaining = describe(status.remaining);
+  merge.budget = status.budget;
+  merge.remaining = status.remaining;
   merge.eta_s = status.eta_s;
   if (status.checkpoint) {
     merge.checkpoint = {static_cast<std::int64_t>(status.checkpoint->step), status.checkpoint->age_s};
@@ -190,7 +160,7 @@ contract::Merge MergeService::submit(const contract::SubmitMerge& request) {
     if (from.alias_guard) to.alias_guard = *from.alias_guard;
     if (from.min_confidence) to.min_confidence = *from.min_confidence;
   }
-  if (request.budget) merge.budget = budget_of(*request.budget);
+  if (request.budget) merge.budget = *request.budget;
   return describe(jobs_.submit(merge));
 }
 
@@ -217,11 +187,13 @@ contract::Page<contract::MergeEdge> MergeService::edges(std::int64_t id, const P
 contract::Merge MergeService::pause(std::int64_t id) { return describe(jobs_.pause(id)); }
 
 contract::Merge MergeService::resume(std::int64_t id, const contract::RunMerge& request) {
-  return describe(jobs_.resume(id, budget_of(request)));
+  contract::check(request);
+  return describe(jobs_.resume(id, request.budget));
 }
 
 contract::Merge MergeService::restart(std::int64_t id, const contract::RunMerge& request) {
-  return describe(jobs_.restart(id, budget_of(request)));
+  contract::check(request);
+  return describe(jobs_.restart(id, request.budget));
 }
 
 contract::Merge MergeService::cancel(std::int64_t id) { return describe(jobs_.cancel(id)); }

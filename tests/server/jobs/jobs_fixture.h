@@ -51,6 +51,8 @@ class JobsOnToyMaps : public ::testing::Test {
       ADD_FAILURE() << "not refused: " << code;
     } catch (const MergeJobError& error) {
       EXPECT_EQ(error.code(), code) << error.what();
+    } catch (const contract::ContractError& error) {
+      EXPECT_EQ(error.code().word(), code) << error.what();
     }
   }
   static MergeBudget seconds(double n) {

@@ -30,6 +30,8 @@ class MergeJobsSubmission : public ::testing::Test {
       ADD_FAILURE() << "not refused: " << code;
     } catch (const MergeJobError& error) {
       EXPECT_EQ(error.code(), code) << error.what();
+    } catch (const contract::ContractError& error) {
+      EXPECT_EQ(error.code().word(), code) << error.what();
     }
     EXPECT_EQ(store_.store().statistics().commits, commits);
     EXPECT_TRUE(jobs_->list(std::nullopt, 10, std::nullopt).items.empty());
