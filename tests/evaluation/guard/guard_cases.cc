@@ -10,7 +10,7 @@ namespace mapweld::evaluation {
 namespace {
 
 GuardCase of_photographs(std::string name, std::string group, std::vector<std::string> a, std::vector<std::string> b) {
-  return {std::move(name), std::move(group), std::move(a), std::move(b), "", 0};
+  return {std::move(name), std::move(group), std::move(a), std::move(b), "", 0, {}};
 }
 
 // "2a" of the twin storeys, "04.1" of the tower.
@@ -24,7 +24,7 @@ std::string tower(const std::string& walk) {
 void add_both_storeys(std::vector<GuardCase>& cases) {
   const auto add = [&](const auto& folder, const std::string& prefix, const std::vector<std::string>& a,
                        const std::vector<std::string>& b) {
-    GuardCase c{prefix, "", {}, {}, "", 0};
+    GuardCase c{prefix, "", {}, {}, "", 0, {}};
     const auto take = [&](const std::vector<std::string>& parts, std::vector<std::string>& folders, char before) {
       for (const std::string& part : parts) {
         c.name += before + part;
@@ -91,7 +91,7 @@ std::vector<GuardCase> rendered_cases(const std::vector<std::string>& scenarios,
     const std::string name(scenario.name);
     if (!scenarios.empty() && std::ranges::find(scenarios, name) == scenarios.end()) continue;
     for (const std::uint64_t seed : seeds) {
-      cases.push_back({name + "-" + std::to_string(seed), name, {}, {}, name, seed});
+      cases.push_back({name + "-" + std::to_string(seed), name, {}, {}, name, seed, {}});
     }
   }
   return cases;
@@ -105,6 +105,13 @@ std::vector<GuardCase> chosen_cases(const std::vector<std::string>& names, const
     std::erase_if(cases, [&](const GuardCase& c) { return !is_named(c.name) && !is_named(c.group); });
   }
   return cases;
+}
+
+GuardCase in_order(GuardCase guard_case, const UploadOrder& order) {
+  guard_case.order = order;
+  guard_case.name += upload_order_suffix(order);
+  guard_case.group += upload_order_suffix(order);
+  return guard_case;
 }
 
 }  // namespace mapweld::evaluation

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/evaluation/guard/upload_order.h"
+
 namespace mapweld::evaluation {
 
 // Two maps: of photographs, or of a rendered scenario.
@@ -15,6 +17,7 @@ struct GuardCase {
   std::vector<std::string> a, b;
   std::string scenario;  // tests/support/merge_scenarios.h; empty for photographs
   std::uint64_t seed = 0;
+  UploadOrder order;  // of the photographs of either map
   bool is_rendered() const { return !scenario.empty(); }
 };
 
@@ -30,5 +33,8 @@ std::vector<GuardCase> rendered_cases(const std::vector<std::string>& scenarios,
 // all.
 std::vector<GuardCase> chosen_cases(const std::vector<std::string>& names, const std::vector<std::string>& scenarios,
                                     const std::vector<std::uint64_t>& seeds);
+
+// A case of photographs, uploaded in this order, with a name of its own.
+GuardCase in_order(GuardCase guard_case, const UploadOrder& order);
 
 }  // namespace mapweld::evaluation

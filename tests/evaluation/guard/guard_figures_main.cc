@@ -1,8 +1,9 @@
 // What the alias guard confirms, with the truth beside: the tables of docs/alias-guard.md.
 //
-//   guard_figures --cache FOLDER                               the real places of MAPWELD_PHOTOS; merges are kept in
-//   FOLDER guard_figures --cache FOLDER --cases museum-region twin-2a-twin-3a guard_figures --cache FOLDER --rendered
-//   --scenarios ordinary laps --seeds 301 302
+//   guard_figures --cache FOLDER      the real places of MAPWELD_PHOTOS; merges are kept in FOLDER
+//   ... --cases museum-region twin-2a-twin-3a                some of them
+//   ... --rendered --scenarios ordinary laps --seeds 301 302
+//   ... --uploaded shuffled:1   the photographs of each map in another order
 //   ... --each          a line for each case, not only for each group of them
 //   ... --list          every confirmed edge that is known to be wrong
 //   ... --sample 60     confirmed edges at random, to be looked at
@@ -32,7 +33,7 @@ struct Asked {
   std::vector<std::uint64_t> seeds;
   bool rendered = false, each = false, list = false, only_cached = false, compare = true;
   std::size_t sample = 0, prefixes = 0;
-  std::string order = "spectral", reliability;
+  std::string uploaded = "given", order = "spectral", reliability;
   std::uint64_t order_seed = 1;
   int threads = 2;
   GuardOptions guard;
@@ -88,6 +89,7 @@ int run(int argc, char** argv) {
   app.add_flag("--rendered", asked.rendered, "rendered scenarios instead of photographs");
   app.add_option("--scenarios", asked.scenarios, "some of them only");
   app.add_option("--seeds", asked.seeds, "buildings and drives");
+  app.add_option("--uploaded", asked.uploaded, "photographs: given, reversed or shuffled:SEED");
   app.add_flag("--each", asked.each, "a line for each case as well");
   app.add_flag("--list", asked.list, "every confirmed edge that is known to be wrong");
   app.add_option("--sample", asked.sample, "so many confirmed edges of each case");
@@ -103,6 +105,11 @@ int run(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   if (asked.rendered == asked.seeds.empty()) throw std::invalid_argument("--rendered and --seeds go together");
   auto cases = chosen_cases(asked.names, asked.scenarios, asked.seeds);
+  if (asked.uploaded != "given") {
+    if (asked.rendered) throw std::invalid_argument("--uploaded is for photographs");
+    const UploadOrder order = upload_order_of(asked.uploaded);
+    for (GuardCase& c : cases) c = in_order(c, order);
+  }
   if (asked.only_cached) std::erase_if(cases, [&](const GuardCase& c) { return !is_cached(c, asked.cache); });
   asked.prefixes > 0 ? prefixes(asked, cases) : figures(asked, cases);
   return 0;

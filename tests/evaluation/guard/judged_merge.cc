@@ -25,6 +25,14 @@ constexpr double kFarInside_m = 10;
 
 fs::path file_of(const GuardCase& c, const fs::path& cache, const char* ending) { return cache / (c.name + ending); }
 
+template <typename T>
+std::vector<T> in_order_of_upload(const std::vector<T>& all, const UploadOrder& order, std::uint64_t map) {
+  std::vector<T> sequence;
+  sequence.reserve(all.size());
+  for (const std::size_t i : uploaded(order, all.size(), map)) sequence.push_back(all[i]);
+  return sequence;
+}
+
 std::vector<PhotographName> photographs_of(const std::vector<std::string>& folders) {
   std::vector<PhotographName> all;
   for (const std::string& folder : folders) {
@@ -40,11 +48,13 @@ struct MapAndIgnored {
   std::vector<std::uint32_t> resembles;  // the vertex of each ignored image
 };
 
-MapAndIgnored map_of(const std::vector<std::string>& folders, int threads) {
+MapAndIgnored map_of(const std::vector<std::string>& folders, const UploadOrder& order, std::uint64_t number,
+                     int threads) {
   std::vector<AppearanceVector> images;
   for (const std::string& folder : folders) {
     for (const auto& photograph : test::photographs(folder)) images.push_back(photograph.appearances);
   }
+  images = in_order_of_upload(images, order, number);
   MapAndIgnored made{rendered::make_map(images), {}};
   const auto verifier = make_verifier();
   for (std::size_t i = 0; i < images.size(); ++i) {
@@ -65,7 +75,7 @@ MadeMerge make(const GuardCase& c, const fs::path& cache, int threads) {
     static const auto vocabulary = rendered::shipped_vocabulary();
     return rendered::make_scenario(c.scenario, c.seed, *vocabulary, threads);
   }
-  MapAndIgnored a = map_of(c.a, threads), b = map_of(c.b, threads);
+  MapAndIgnored a = map_of(c.a, c.order, 0, threads), b = map_of(c.b, c.order, 1, threads);
   std::ofstream ignored(file_of(c, cache, ".ignored"));
   for (const std::uint32_t v : a.resembles) ignored << v << "\n";
   for (const std::uint32_t v : b.resembles) ignored << v + a.map.vertices.size() << "\n";
@@ -76,8 +86,9 @@ MadeMerge make(const GuardCase& c, const fs::path& cache, int threads) {
 void judge_photographs(const GuardCase& c, const fs::path& cache, JudgedMerge& judged) {
   const auto& merge = judged.merge;
   std::vector<PhotographName> at(merge.a.vertices.size() + merge.b.vertices.size());
-  const auto place = [&](const std::vector<std::string>& folders, const MadeMap& map, std::size_t shift) {
-    const auto photographs = photographs_of(folders);
+  const auto place = [&](const std::vector<std::string>& folders, const MadeMap& map, std::uint64_t number,
+                         std::size_t shift) {
+    const auto photographs = in_order_of_upload(photographs_of(folders), c.order, number);
     if (photographs.size() != map.vertex_of_image.size()) {
       throw std::runtime_error(c.name + ": the cache is of other photographs");
     }
@@ -85,8 +96,8 @@ void judge_photographs(const GuardCase& c, const fs::path& cache, JudgedMerge& j
       if (map.vertex_of_image[i] != MadeMap::kIgnored) at[shift + map.vertex_of_image[i]] = photographs[i];
     }
   };
-  place(c.a, merge.a, 0);
-  place(c.b, merge.b, merge.a.vertices.size());
+  place(c.a, merge.a, 0, 0);
+  place(c.b, merge.b, 1, merge.a.vertices.size());
   PhotographTruth truth;
   const auto of = [&](const auto& edge) { return truth.of(at[to_index(edge.u)], at[to_index(edge.v)]); };
   for (const MergeEdge& edge : merge.inter_edges) judged.inter_truth.push_back(of(edge));
