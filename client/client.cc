@@ -150,9 +150,14 @@ Answer<std::vector<contract::MergeEdge>> Client::merge_edges(std::int64_t id) {
   return all_pages<contract::MergeEdge>({"merges", std::to_string(id), "edges"});
 }
 Answer<contract::Pair> Client::merge_pair(std::int64_t id, std::int64_t u, std::int64_t v, bool matches) {
-  return answer<contract::Pair>(
-      connection_.get(path_of(kRoot, {"merges", std::to_string(id), "pairs", std::to_string(u), std::to_string(v)},
-                              matches ? Query{{"matches", "true"}} : Query{})));
+  return pair({"merges", std::to_string(id)}, u, v, matches);
+}
+Answer<contract::Pair> Client::map_pair(const std::string& map, std::int64_t u, std::int64_t v, bool matches) {
+  return pair({"maps", map}, u, v, matches);
+}
+Answer<contract::Pair> Client::pair(std::vector<std::string> path, std::int64_t u, std::int64_t v, bool matches) {
+  path.insert(path.end(), {"pairs", std::to_string(u), std::to_string(v)});
+  return answer<contract::Pair>(connection_.get(path_of(kRoot, path, matches ? Query{{"matches", "true"}} : Query{})));
 }
 
 Answer<contract::Merge> Client::command_merge(std::int64_t id, const std::string& verb, const std::string& body) {

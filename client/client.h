@@ -98,8 +98,9 @@ class Client {
   Answer<contract::Merge> merge(std::int64_t id);
   Answer<std::vector<contract::CurvePoint>> curve(std::int64_t id);
   Answer<std::vector<contract::MergeEdge>> merge_edges(std::int64_t id);
-  // Of two vertices of the merged map, in either order; `matches`: with the matches that held.
+  // Of two vertices of the merged map, or of any map, in either order; `matches`: with the matches that held.
   Answer<contract::Pair> merge_pair(std::int64_t id, std::int64_t u, std::int64_t v, bool matches = false);
+  Answer<contract::Pair> map_pair(const std::string& map, std::int64_t u, std::int64_t v, bool matches = false);
   Answer<contract::Merge> pause_merge(std::int64_t id);
   Answer<contract::Merge> resume_merge(std::int64_t id, const std::optional<contract::Budget>& budget = {});
   Answer<contract::Merge> restart_merge(std::int64_t id, const std::optional<contract::Budget>& budget = {});
@@ -109,6 +110,7 @@ class Client {
  private:
   template <class T>
   Answer<std::vector<T>> all_pages(const std::vector<std::string>& segments, Query query = {});
+  Answer<contract::Pair> pair(std::vector<std::string> path, std::int64_t u, std::int64_t v, bool matches);
   Answer<contract::Merge> command_merge(std::int64_t id, const std::string& verb, const std::string& body);
 
   Connection connection_;

@@ -2,6 +2,7 @@
 #include "server/api/api.h"
 #include "server/api/replies.h"
 #include "server/services/graph_export.h"
+#include "server/services/pair_service.h"
 #include "server/services/route_service.h"
 
 namespace mapweld::server {
@@ -90,6 +91,14 @@ void add_map_routes(Router& router, const Services& services) {
               .pattern = "/v1/maps/{map}/graph",
               .query = {"format"},
               .handler = [&store = services.store](const Request& request) { return stream_graph(store, request); }});
+  router.add({.method = "GET",
+              .pattern = "/v1/maps/{map}/pairs/{u}/{v}",
+              .query = {"matches"},
+              .handler = [&store = services.store](const Request& request) {
+                const VertexPair pair = pair_in_path(request);
+                return json_reply(200,
+                                  explain_pair(store, request.parameter("map"), pair.u, pair.v, pair.with_matches));
+              }});
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/quality",
               .handler = [&quality = services.quality](const Request& request) {

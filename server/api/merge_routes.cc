@@ -99,10 +99,8 @@ void add_merge_routes(Router& router, const Services& services) {
               .pattern = "/v1/merges/{merge}/pairs/{u}/{v}",
               .query = {"matches"},
               .handler = [&store = services.store](const Request& request) {
-                const auto u = number_in_path<std::uint32_t>(request, "u", "no_such_vertex");
-                const auto v = number_in_path<std::uint32_t>(request, "v", "no_such_vertex");
-                const bool with_matches = request.query.boolean("matches").value_or(false);
-                return json_reply(200, explain_pair(store, merge_in_path(request), u, v, with_matches));
+                const VertexPair pair = pair_in_path(request);
+                return json_reply(200, explain_pair(store, merge_in_path(request), pair.u, pair.v, pair.with_matches));
               }});
   router.add(
       {.method = "GET", .pattern = "/v1/merges/{merge}/events", .handler = [&merges](const Request& request) -> Reply {

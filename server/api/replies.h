@@ -68,4 +68,16 @@ Number number_in_path(const Request& request, const std::string& name, contract:
   return number;
 }
 
+// /pairs/{u}/{v}?matches=
+struct VertexPair {
+  std::uint32_t u = 0;
+  std::uint32_t v = 0;
+  bool with_matches = false;
+};
+inline VertexPair pair_in_path(const Request& request) {
+  return {.u = number_in_path<std::uint32_t>(request, "u", "no_such_vertex"),
+          .v = number_in_path<std::uint32_t>(request, "v", "no_such_vertex"),
+          .with_matches = request.query.boolean("matches").value_or(false)};
+}
+
 }  // namespace mapweld::server

@@ -16,6 +16,8 @@
 #include "schema/merge_store.h"
 #include "schema/vertex_store.h"
 #include "server/jobs/merge_job_rows.h"
+#include "server/maps/map_settings.h"
+#include "server/services/map_lookup.h"
 
 namespace mapweld::server {
 namespace {
@@ -27,26 +29,49 @@ MergeRow require_merge(const Reader& db, std::int64_t id) {
   throw ContractError("no_such_merge", "There is no merge " + std::to_string(id) + ".");
 }
 
-// The direct member that a vertex of the merged map belongs to.
-std::string member_of(const Reader& db, const MapLayout& layout, VertexId vertex) {
-  for (const MemberRow& member : list_members(db, layout.map())) {
-    const auto node = std::ranges::find(layout.nodes(), member.map, &LayoutNode::map);
-    if (node != layout.nodes().end() && node->node_vertex(vertex)) return member.name;
-  }
-  throw StoreError(StoreErrorKind::kCorrupt, "a vertex of a merged map belongs to no member");
-}
-
-void require_inter_pair(const Reader& db, const MergeRow& merge, const MapLayout& layout, VertexId u, VertexId v) {
+void require_pair(const MapRow& map, const MapLayout& layout, VertexId u, VertexId v) {
   for (const VertexId vertex : {u, v}) {
     if (to_index(vertex) < layout.vertices()) continue;
-    throw ContractError("no_such_vertex", "The merged map \"" + merge.map_name + "\" has no vertex " +
-                                              std::to_string(to_index(vertex)) + ".");
+    throw ContractError("no_such_vertex",
+                        "The map \"" + map.name + "\" has no vertex " + std::to_string(to_index(vertex)) + ".");
   }
-  const std::string member = member_of(db, layout, u);
-  if (member != member_of(db, layout, v)) return;
-  throw ContractError("invalid_parameter", "Vertices " + std::to_string(to_index(u)) + " and " +
-                                               std::to_string(to_index(v)) + " are both of \"" + member +
-                                               "\"; a merge compares images of different members.");
+  if (u == v) throw ContractError("invalid_parameter", "A pair is of two vertices.");
+}
+
+// Where two vertices first come together: in a plain map, or in a merged one that has them of different members.
+struct Meeting {
+  MapRow map;
+  VertexId u{}, v{};  // numbers of that map, u < v
+};
+
+Meeting meeting_of(const Reader& db, const MapLayout& layout, VertexId u, VertexId v) {
+  // Those that have both lie within each other, and the tree is in depth-first order: the last is the innermost.
+  for (auto node = layout.nodes().rbegin(); node != layout.nodes().rend(); ++node) {
+    const std::optional<VertexId> own_u = node->node_vertex(u), own_v = node->node_vertex(v);
+    if (own_u && own_v) return {find_map(db, node->map).value(), *own_u, *own_v};
+  }
+  throw StoreError(StoreErrorKind::kCorrupt, "two vertices of a map come together nowhere");
+}
+
+// What the two images were compared by.
+struct Rule {
+  VoteRule votes = VoteRule::kSignatures;
+  std::uint32_t min_votes = 0;
+  VerifierOptions verifier;
+  double min_confidence = kDefaultMinConfidence;
+};
+
+Rule rule_of(const MergeRow& merge) {
+  const MergeParameters p = parameters_of(merge);
+  return {.votes = p.votes,
+          .min_votes = p.min_votes,
+          .verifier = {.min_inliers = p.min_inliers, .max_false_alarms = p.max_false_alarms},
+          .min_confidence = p.min_confidence};
+}
+
+Rule rule_of(const MapRow& map) {
+  const MapParameters p = settings_of(map).parameters;
+  return {.votes = p.votes, .min_votes = p.min_votes, .verifier = {.min_inliers = p.min_inliers}};
 }
 
 // The verdict that the last checkpoint has on a refused pair.
@@ -99,44 +124,21 @@ void add_matches(contract::Pair& pair, const AppearanceVector& u, const Appearan
   }
 }
 
-}  // namespace
+void add_edge(contract::Pair& pair, const EdgeRow& edge, const EdgeEvidence& evidence, double min_confidence) {
+  pair.verdict = "accepted";
+  pair.matches = evidence.verification.matches;
+  pair.inliers = evidence.verification.inliers;
+  pair.confirmed = edge.confirmed;
+  pair.confidence = edge.confidence;
+  if (!edge.confirmed) pair.reason = edge.doubt;
+  if (!edge.confidence) return;
+  pair.min_confidence = min_confidence;
+  add_evidence(pair, evidence.made_of);
+}
 
-contract::Pair explain_pair(Store& store, std::int64_t id, std::uint32_t a, std::uint32_t b, bool with_matches) {
-  const VertexId u{std::min(a, b)};
-  const VertexId v{std::max(a, b)};
-  const ReadTransaction db = store.read();
-  const MergeRow merge = require_merge(db, id);
-  const MergeParameters parameters = parameters_of(merge);
-  const MapLayout layout = load_layout(db, merge.map);
-  require_inter_pair(db, merge, layout, u, v);
-
-  const VocabularyId vocabulary = find_map(db, merge.map).value().vocabulary;
-  const auto appearances = [&](VertexId vertex) {
-    const LeafVertex leaf = layout.leaf(vertex);
-    return load_appearances(db, leaf.map, vocabulary, leaf.vertex);
-  };
-  const AppearanceVector image_u = appearances(u);
-  const AppearanceVector image_v = appearances(v);
-  contract::Pair pair;
-  pair.u = to_index(u);
-  pair.v = to_index(v);
-  pair.votes = pair_votes(image_u, image_v, parameters.votes);
-  if (const std::optional<EdgeRow> edge = find_own_edge(db, merge.map, u, v)) {
-    const EdgeEvidence evidence = load_edge_evidence(db, edge->id);
-    pair.verdict = "accepted";
-    pair.matches = evidence.verification.matches;
-    pair.inliers = evidence.verification.inliers;
-    pair.confirmed = edge->confirmed;
-    pair.confidence = edge->confidence;
-    if (!edge->confirmed) pair.reason = edge->doubt;
-    if (edge->confidence) add_evidence(pair, evidence.made_of);
-    if (with_matches) add_matches(pair, image_u, image_v, evidence.verification);
-    return pair;
-  }
-  if (pair.votes < parameters.min_votes) {
-    pair.verdict = "not_candidate";
-    pair.reason = to_string(Reason::kNoCandidate);
-  } else if (const std::optional<RejectedPair> rejected = find_rejected(db, merge.id, u, v)) {
+// Of a pair of a merge without an edge.
+void add_verdict_of_merge(contract::Pair& pair, const Reader& db, JobId job, const Meeting& at) {
+  if (const std::optional<RejectedPair> rejected = find_rejected(db, job, at.u, at.v)) {
     pair.verdict = "rejected";
     pair.matches = rejected->matches;
     pair.inliers = rejected->inliers;
@@ -144,12 +146,65 @@ contract::Pair explain_pair(Store& store, std::int64_t id, std::uint32_t a, std:
   } else {
     pair.verdict = "pending";
   }
-  if (with_matches) {
-    const auto verifier =
-        make_verifier({.min_inliers = parameters.min_inliers, .max_false_alarms = parameters.max_false_alarms});
-    add_matches(pair, image_u, image_v, verifier->verify(image_u, image_v));
+}
+
+contract::Pair explain(const Reader& db, const MapRow& asked, std::uint32_t a, std::uint32_t b, bool with_matches) {
+  const VertexId u{std::min(a, b)};
+  const VertexId v{std::max(a, b)};
+  const MapLayout layout = load_layout(db, asked.id);
+  require_pair(asked, layout, u, v);
+  const Meeting at = meeting_of(db, layout, u, v);
+  const std::optional<MergeRow> merge = find_merge_of(db, at.map.id);
+  const Rule rule = merge ? rule_of(*merge) : rule_of(at.map);
+
+  const auto appearances = [&](VertexId vertex) {
+    const LeafVertex leaf = layout.leaf(vertex);
+    return load_appearances(db, leaf.map, asked.vocabulary, leaf.vertex);
+  };
+  const AppearanceVector image_u = appearances(u);
+  const AppearanceVector image_v = appearances(v);
+  contract::Pair pair;
+  pair.u = to_index(u);
+  pair.v = to_index(v);
+  pair.map = at.map.name;
+  if (merge) pair.merge = to_index(merge->id);
+  pair.votes = pair_votes(image_u, image_v, rule.votes);
+  if (const std::optional<EdgeRow> edge = find_own_edge(db, at.map.id, at.u, at.v)) {
+    const EdgeEvidence evidence = load_edge_evidence(db, edge->id);
+    add_edge(pair, *edge, evidence, rule.min_confidence);
+    if (with_matches) add_matches(pair, image_u, image_v, evidence.verification);
+    return pair;
   }
+  const bool is_candidate = pair.votes >= rule.min_votes;
+  if (!is_candidate) {
+    pair.verdict = "not_candidate";
+    pair.reason = to_string(Reason::kNoCandidate);
+  } else if (merge) {
+    add_verdict_of_merge(pair, db, merge->id, at);
+  }
+  const bool ask_for_verdict = is_candidate && !merge;
+  if (!with_matches && !ask_for_verdict) return pair;
+  const Verification now = make_verifier(rule.verifier)->verify(image_u, image_v);
+  if (ask_for_verdict) {
+    pair.verdict = now.accepted ? "pending" : "rejected";
+    pair.matches = now.matches;
+    pair.inliers = now.inliers;
+    if (!now.accepted) pair.reason = to_string(now.reason);
+  }
+  if (with_matches) add_matches(pair, image_u, image_v, now);
   return pair;
+}
+
+}  // namespace
+
+contract::Pair explain_pair(Store& store, std::int64_t merge, std::uint32_t u, std::uint32_t v, bool with_matches) {
+  const ReadTransaction db = store.read();
+  return explain(db, find_map(db, require_merge(db, merge).map).value(), u, v, with_matches);
+}
+
+contract::Pair explain_pair(Store& store, std::string_view map, std::uint32_t u, std::uint32_t v, bool with_matches) {
+  const ReadTransaction db = store.read();
+  return explain(db, require_map(db, map), u, v, with_matches);
 }
 
 }  // namespace mapweld::server

@@ -135,6 +135,9 @@ TEST(ClientRequests, AskForAPairWithItsMatchesOrWithout) {
   client.merge_pair(3, 71, 12, true);
   EXPECT_EQ(server.requests(),
             (std::vector<std::string>{"GET /v1/merges/3/pairs/71/12", "GET /v1/merges/3/pairs/71/12?matches=true"}));
+  server.script("GET /v1/maps/lab-a/pairs/1/2", 200, std::string(R"({"u":1,"v":2,"map":"lab-a","merge":null})"));
+  EXPECT_EQ(client.map_pair("lab-a", 1, 2)->map, "lab-a");
+  EXPECT_EQ(server.requests().back(), "GET /v1/maps/lab-a/pairs/1/2");
 }
 
 TEST(ClientExport, HandsOnPiecesOrThrows) {

@@ -84,7 +84,7 @@ TEST_F(Explain, SaysOfAnEdgeThatIsOnlyVerifiedThatItIsNoneAndWhy) {
                       {{"name", "best_fullness"}, {"value", 4.25}, {"weight", 0.5}, {"says", ""}},
                       {{"name", "shared_view"}, {"value", 0.25}, {"weight", nullptr}, {"says", "of an \u001b image"}}};
   script_pair(pair.dump());
-  expect_says({"verified, but NOT an edge of the map", "why not", "nothing shows that these two are one place",
+  expect_says({"verified, not confirmed: no edge of the map", "why not", "nothing shows that these two are one place",
                "0.125 (0.9 makes an edge of the map)", "3, speaks against it (-1.5): matches that are rare\n",
                "best fullness", "4.25, speaks for it (+0.5)\n", "0.25: of an "});
   EXPECT_EQ(ask("explain 3 12 71").out.find('\x1b'), std::string::npos);
@@ -97,7 +97,45 @@ TEST_F(Explain, SaysOfAnEdgeThatIsOnlyVerifiedThatItIsNoneAndWhy) {
   pair["reason"] = nullptr;
   script_pair(pair.dump());
   expect_says({"an edge of the map: verified and confirmed", "0.9688 (0.9 makes an edge of the map)"});
-  EXPECT_EQ(ask("explain 3 12 71").out.find("NOT an edge"), std::string::npos);
+  EXPECT_EQ(ask("explain 3 12 71").out.find("not confirmed"), std::string::npos);
+}
+
+TEST_F(Explain, SaysOfTwoImagesOfOneMapWhatMappingMadeOfThem) {
+  Json pair = Json::parse(kAccepted);
+  pair["map"] = "lab-a";
+  pair["merge"] = nullptr;
+  pair["confirmed"] = false;
+  pair["confidence"] = 0.125;
+  pair["min_confidence"] = 0.9;
+  pair["reason"] = "unsupported";
+  pair["evidence"] = {{{"name", "rare_matches"}, {"value", 3}, {"weight", -1.5}, {"says", "matches that are rare"}}};
+  server.script("GET /v1/maps/lab-a", 200,
+                Json{{"name", "lab-a"}, {"parameters", {{"min_votes", 3}, {"min_inliers", 8}}}});
+  script_pair(pair.dump());
+  expect_says({"12 and 71 of lab, both of lab-a\n", "29 (3 make a candidate)", "24 (8 make an edge)",
+               "verified, not confirmed: no edge of the map", "nothing shows that these two are one place",
+               "0.125 (0.9 makes an edge of the map)", "speaks against it (-1.5)"});
+
+  // By the map's name: no merge is asked for.
+  server.script("GET /v1/maps/lab/pairs/12/71", 200, pair.dump());
+  const Ended by_name = ask("explain lab 12 71");
+  EXPECT_EQ(by_name.code, 0) << by_name.err;
+  EXPECT_EQ(by_name.out, ask("explain 3 12 71").out);
+  server.script("GET /v1/maps/7/pairs/1/2", 200,
+                std::string(R"({"u":1,"v":2,"map":"7","merge":null,"votes":40,"matches":30,
+    "inliers":20,"verdict":"pending","reason":null})"));
+  server.script("GET /v1/maps/7", 200, Json{{"name", "7"}});
+  for (int v : {1, 2}) server.script("GET /v1/maps/7/vertices/" + std::to_string(v), 200, Json{{"vertex", v}});
+  const Ended a_number = ask("explain --map 7 1 2");
+  EXPECT_NE(a_number.out.find("1 and 2 of 7, both within one map"), std::string::npos) << a_number.out << a_number.err;
+  EXPECT_NE(a_number.out.find("others had more votes"), std::string::npos) << a_number.out;
+
+  // A merge within the merge: its own rule.
+  pair["map"] = "inner";
+  pair["merge"] = 2;
+  server.script("GET /v1/merges/2", 200, Json{{"id", 2}, {"map", "inner"}, {"parameters", {{"min_votes", 5}}}});
+  script_pair(pair.dump());
+  expect_says({"12 and 71 of lab, merge 2\n", "29 (5 make a candidate)"});
 }
 
 TEST_F(Explain, KnowsEveryReasonAndPassesOnOthers) {

@@ -212,8 +212,18 @@ TEST(Api, ExplainsAnyPairOfAMerge) {
     EXPECT_EQ(api.get("/v1/merges/1/pairs/0/" + std::string(vertex)).code(), "no_such_vertex") << vertex;
     EXPECT_EQ(api.get("/v1/merges/1/pairs/" + std::string(vertex) + "/0").code(), "no_such_vertex") << vertex;
   }
-  EXPECT_EQ(api.get("/v1/merges/1/pairs/0/1").code(), "invalid_parameter");
-  EXPECT_EQ(api.get("/v1/merges/1/pairs/0/1").status, 422);
+  EXPECT_EQ(api.get("/v1/merges/1/pairs/0/1").json()["map"], "a");
+  contract::Json of_b = api.get("/v1/merges/1/pairs/3/4").json();
+  for (const char* vertex : {"u", "v"}) of_b[vertex] = of_b[vertex].get<int>() - 3;
+  EXPECT_EQ(api.get("/v1/maps/b/pairs/1/0").json(), of_b);
+  EXPECT_TRUE(of_b["merge"].is_null());
+  EXPECT_EQ(of_b["verdict"], "accepted");
+  EXPECT_EQ(api.get("/v1/maps/ab/pairs/4/1?matches=true").json(), with_matches);
+  EXPECT_EQ(api.get("/v1/maps/x/pairs/0/1").code(), "no_such_map");
+  EXPECT_EQ(api.get("/v1/maps/b/pairs/0/3").code(), "no_such_vertex");
+  EXPECT_EQ(api.get("/v1/maps/b/pairs/0/1?match=true").code(), "unknown_field");
+  EXPECT_EQ(api.get("/v1/merges/1/pairs/1/1").code(), "invalid_parameter");
+  EXPECT_EQ(api.get("/v1/merges/1/pairs/1/1").status, 422);
   EXPECT_EQ(api.get("/v1/merges/1/pairs/1/4?matches=perhaps").code(), "invalid_parameter");
   EXPECT_EQ(api.get("/v1/merges/1/pairs/1/4?match=true").code(), "unknown_field");
 }
