@@ -62,6 +62,11 @@ std::string budget_text(const contract::Budget& budget) {
   return text;
 }
 
+// Nothing while none was taken back.
+std::string revoked_text(const contract::Merge& merge) {
+  return merge.revoked > 0 ? ", " + count_text(merge.revoked, "confirmation") + " revoked" : "";
+}
+
 std::vector<std::string> panel_lines(const contract::Merge& merge, const std::vector<double>& connectivity) {
   std::vector<std::string> lines;
   lines.push_back("Merge " + std::to_string(merge.id) + "  " + members_text(merge) + "  " + merge.method + "  " +
@@ -73,8 +78,8 @@ std::vector<std::string> panel_lines(const contract::Merge& merge, const std::ve
   lines.push_back("  candidates    " + bar(share(merge.candidates.verified, merge.candidates.known), 24) + " " +
                   std::to_string(merge.candidates.verified) + " of " + std::to_string(merge.candidates.known) +
                   " verified, " + std::to_string(merge.candidates.accepted) + " passed");
-  lines.push_back("  edges         " + edge_counts_text(merge.edge_counts) + "; the confirmed ones join " +
-                  joined_text(merge) + " vertices");
+  lines.push_back("  edges         " + edge_counts_text(merge.edge_counts) + revoked_text(merge) +
+                  "; the confirmed ones join " + joined_text(merge) + " vertices");
   lines.push_back("  components    " + std::to_string(merge.components) + ", the largest of " +
                   count_text(merge.largest_component.vertices, "vertex", "vertices"));
   lines.push_back("  connectivity  " + number_text(merge.largest_component.algebraic_connectivity) + " (largest)  " +
@@ -91,10 +96,10 @@ std::vector<std::string> panel_lines(const contract::Merge& merge, const std::ve
 std::string progress_line(const contract::Merge& merge) {
   char text[320];
   std::snprintf(text, sizeof text,
-                "%8.2f s  %-12s  edges %lld confirmed, %lld verified  connectivity %-9s  components %-4lld  "
+                "%8.2f s  %-12s  edges %lld confirmed, %lld verified%s  connectivity %-9s  components %-4lld  "
                 "candidates %lld of %lld verified",
                 merge.elapsed_s, merge.phase.c_str(), static_cast<long long>(merge.edge_counts.confirmed),
-                static_cast<long long>(merge.edge_counts.verified),
+                static_cast<long long>(merge.edge_counts.verified), revoked_text(merge).c_str(),
                 number_text(merge.largest_component.algebraic_connectivity).c_str(),
                 static_cast<long long>(merge.components), static_cast<long long>(merge.candidates.verified),
                 static_cast<long long>(merge.candidates.known));
@@ -181,7 +186,7 @@ std::string outcome_text(const contract::Merge& merge) {
           count_text(merge.edge_counts.confirmed, "confirmed edge") +
           (merge.edge_counts.confirmed == merge.edge_counts.verified
                ? ", all that were verified.\n"
-               : " (of " + std::to_string(merge.edge_counts.verified) + " verified).\n") +
+               : " (of " + std::to_string(merge.edge_counts.verified) + " verified" + revoked_text(merge) + ").\n") +
           count_text(merge.components, "component") + ", the largest of " +
           count_text(merge.largest_component.vertices, "vertex", "vertices") + " with algebraic connectivity " +
           number_text(merge.largest_component.algebraic_connectivity) + ".";

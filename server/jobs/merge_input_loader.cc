@@ -123,6 +123,7 @@ std::optional<LoadedMerge> load_merge(const Reader& db, JobId job, const Verifie
     options.min_confidence = parameters.min_confidence;
     loaded.guard = std::make_shared<AliasGuard>(loaded.input.members, inner, *loaded.input.appearances, options);
     keep_confirmed(loaded.input.inner_edges, loaded.guard->inner_verdicts());
+    loaded.judgements = load_judgements(db, row->map);
   }
   loaded.input.verifier =
       verifier({.min_inliers = parameters.min_inliers, .max_false_alarms = parameters.max_false_alarms});

@@ -27,6 +27,7 @@ struct LoadedMerge {
   // Where the merge is guarded: the guard over its members, which input.inner_edges are confirmed by. Refers to
   // input.appearances.
   std::shared_ptr<AliasGuard> guard;
+  std::vector<JudgedEdge> judgements;  // guarded: what is written of its edges
 };
 
 // What is stored of a merge's state is damaged, or of another merge than its rows: a merge cannot go on from it, and

@@ -66,7 +66,7 @@ class Run {
     const MergeProgress before = progress_of(row_);
     revoked_before_ = before.revoked;
     candidates_known_before_ = before.candidates_known;
-    watch_ = std::make_unique<MergeWatch>(*merger_, std::move(loaded.guard));
+    watch_ = std::make_unique<MergeWatch>(*merger_, std::move(loaded.guard), std::move(loaded.judgements));
   }
 
   void execute() {

@@ -2,10 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <span>
 #include <utility>
 
 namespace mapweld::server {
+
+std::uint64_t MergeWatch::revoked_of_the_written(const std::vector<GuardVerdict>& verdicts) const {
+  std::set<std::pair<VertexId, VertexId>> withheld;
+  const std::vector<MergeEdge>& edges = merger_.state().edges;
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    if (!verdicts[e].confirmed()) withheld.emplace(std::minmax(edges[e].u, edges[e].v));
+  }
+  return static_cast<std::uint64_t>(std::ranges::count_if(written_, [&](const JudgedEdge& edge) {
+    return edge.judgement.doubt == Reason::kNone && withheld.contains({edge.u, edge.v});
+  }));
+}
 
 void MergeWatch::judge() {
   const std::vector<MergeEdge>& edges = merger_.state().edges;
@@ -14,6 +26,8 @@ void MergeWatch::judge() {
   for (std::size_t e = 0; e < verdicts_.size(); ++e) {
     revoked_ += verdicts_[e].confirmed() && !verdicts[e].confirmed() ? 1 : 0;
   }
+  revoked_ += revoked_of_the_written(verdicts);
+  written_.clear();
   verdicts_ = verdicts;
 }
 

@@ -26,8 +26,12 @@ class MergeWatch {
  public:
   // `merger` must outlive this. With a `guard` over its members its edges are judged, and metrics speak of the
   // confirmed ones; without, every edge is confirmed.
-  MergeWatch(const Merger& merger, std::shared_ptr<AliasGuard> guard)
-      : merger_(merger), guard_(std::move(guard)), outlook_([this](const Merger&) { return standings(); }) {}
+  // `written`: what was thought of the edges that the merge goes on from; members may have grown since.
+  MergeWatch(const Merger& merger, std::shared_ptr<AliasGuard> guard, std::vector<JudgedEdge> written = {})
+      : merger_(merger),
+        guard_(std::move(guard)),
+        written_(std::move(written)),
+        outlook_([this](const Merger&) { return standings(); }) {}
 
   // Measures what can have changed since the last time; a certificate that no longer says anything is forgotten. With
   // `exact` every number is computed anew: how often it was asked before then leaves no trace in the last digits.
@@ -38,7 +42,8 @@ class MergeWatch {
   const MergeMetrics& metrics() const { return metrics_; }
   // How many edges were confirmed when they were measured last.
   std::uint64_t confirmed_edges() const { return confirmed_edges_; }
-  // How many confirmations were taken back, from one time that the edges were judged to the next.
+  // How many confirmations were taken back, from one time that the edges were judged to the next, and at first from
+  // what was written.
   std::uint64_t revoked() const { return revoked_; }
   const std::optional<Certified>& certified() const { return certified_; }
   const std::vector<MemberPairSummary>& members() const { return members_; }
@@ -58,11 +63,13 @@ class MergeWatch {
  private:
   bool guards() const { return guard_ != nullptr; }
   void judge();
+  std::uint64_t revoked_of_the_written(const std::vector<GuardVerdict>& verdicts) const;
   bool is_confirmed(std::size_t edge) const { return !guards() || verdicts_[edge].confirmed(); }
   AppearanceGraph confirmed_graph() const;
 
   const Merger& merger_;
   const std::shared_ptr<AliasGuard> guard_;
+  std::vector<JudgedEdge> written_;  // until they are compared
   Outlook outlook_;
   MergeMetricsFollower follower_;
   MergeMetrics metrics_;

@@ -68,6 +68,7 @@ TEST_F(Command, UsageErrorsAreTwo) {
                                 "explain 1 2",
                                 "explain 1 2 x",
                                 "explain -1 2 3",
+                                "explain lab 2 -3",
                                 "explain 1 2 3 --out pair.gif"}) {
     const Ended ended = ask(arguments);
     EXPECT_EQ(ended.code, 2) << arguments << "\n" << ended.err;
@@ -253,6 +254,15 @@ TEST_F(Command, WatchingEndsWithTheMerge) {
       std::string::npos)
       << done.out;
   EXPECT_EQ(done.out.find('\x1b'), std::string::npos);
+  EXPECT_EQ(done.out.find("revoked"), std::string::npos);
+  contract::Json revoking = merge_json("running", 0.5, 100), revoked = merge_json("completed");
+  revoking["revoked"] = 1;
+  revoked["revoked"] = 2;
+  server.script_sequence("GET /v1/merges/1", {revoking, revoked});
+  const std::string told = ask("merge lab-a lab-b --watch").out;
+  EXPECT_NE(told.find("edges 50 confirmed, 100 verified, 1 confirmation revoked  connectivity"), std::string::npos)
+      << told;
+  EXPECT_NE(told.find("123 confirmed edges (of 247 verified, 2 confirmations revoked)."), std::string::npos) << told;
   EXPECT_EQ(ends_in("completed", "--watch").code, 0);
   EXPECT_EQ(ends_in("failed", "--watch").code, 6);
   EXPECT_EQ(ends_in("cancelled", "--wait").code, 6);

@@ -281,9 +281,25 @@ TEST(MergeJobs, ConfirmWhatTheAliasGuardConfirms) {
   request.parameters.alias_guard = true;
   request.budget.edges = 60;
   const std::int64_t id = jobs.submit(request).id;
+  std::uint64_t taken_back = 0;
   for (const bool whole : {false, true}) {
-    if (whole) jobs.resume(id, std::nullopt);
+    if (whole) {
+      // As if other images had confirmed all of them.
+      {
+        WriteTransaction db = store.write();
+        const MapId map = find_merge(db, JobId{id})->map;
+        std::vector<JudgedEdge> edges = load_judgements(db, map);
+        for (JudgedEdge& edge : edges) {
+          taken_back += edge.judgement.doubt != Reason::kNone ? 1 : 0;
+          edge.judgement = {0.95, Reason::kNone, {}};
+        }
+        set_judgements(db, map, edges);
+        db.commit();
+      }
+      jobs.resume(id, std::nullopt);
+    }
     const MergeStatus s = jobs.wait(id, kLong);
+    EXPECT_EQ(s.revoked, taken_back);
     ASSERT_EQ(s.state, whole ? JobState::kCompleted : JobState::kBudgetExhausted) << s.error.value_or("");
     const MergeState state = test::stored_state(store, id);
     const MergeInput input = test::make_toy_merge(world);
@@ -320,6 +336,7 @@ TEST(MergeJobs, ConfirmWhatTheAliasGuardConfirms) {
     EXPECT_EQ(last.confirmed_edges, standing.size());
     if (whole) {
       EXPECT_EQ(s.certified_fraction, 1.0);
+      EXPECT_GT(taken_back, 0u);
     }
   }
 }
