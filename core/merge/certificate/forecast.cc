@@ -7,6 +7,7 @@
 #include "core/merge/certificate/hop_search.h"
 #include "core/merge/logistic.h"
 #include "core/merge/spectral/pass_model.h"
+#include "core/merge/spectral/vote_odds.h"
 
 namespace mapweld {
 namespace {
@@ -102,8 +103,10 @@ void Forecast::begin(const Merger& merger, const std::vector<Candidate>& open) {
     rivals_.push_back(static_cast<double>(c.votes) / most[c.row] + static_cast<double>(c.votes) / most[c.column]);
   }
   const auto positions = static_cast<std::uint32_t>(vertex_at_.size());
-  evidence_.emplace(positions, positions, std::move(cells));
-  stretch_ = stretches_of(AppearanceGraph(state.vertices, merger.input().inner_edges));
+  const AppearanceGraph inner(state.vertices, merger.input().inner_edges);
+  std::vector<float> odds = vote_odds(inner, vertex_at_, vertex_at_, cells);
+  evidence_.emplace(positions, positions, std::move(cells), std::move(odds));
+  stretch_ = stretches_of(inner);
 }
 
 std::uint32_t Forecast::number_of(VertexId u, VertexId v) const {
@@ -153,8 +156,8 @@ std::optional<std::vector<OpenCandidate>> Forecast::open(const Merger& merger, c
     const Weights& w = kCandidates[relation.nearness];
     double odds = w.constant +
                   w.votes * portable_log2(static_cast<double>(cell.votes) / merger.input().options.min_votes) +
-                  w.rivals * rivals_[c] + w.passes * log_odds(model.chance(PassModel::cell(evidence_->features(c)))) +
-                  w.done * done + w.smaller_component_log2 * relation.smaller_component_log2;
+                  w.rivals * rivals_[c] + w.passes * log_odds(model.chance(evidence_->features(c))) + w.done * done +
+                  w.smaller_component_log2 * relation.smaller_component_log2;
     if (evidence_->verdict(c) == CandidateEvidence::Verdict::kNone) {
       open.push_back({c, relation.nearness, odds});
     } else {

@@ -6,8 +6,6 @@
 namespace mapweld {
 namespace {
 
-constexpr std::uint32_t kMostVotes = 65535;
-
 std::uint8_t support_bin(std::uint32_t passed, std::uint32_t failed) {
   if (passed == 0) return failed == 0 ? 0 : failed < 3 ? 1 : 2;
   if (2 * passed < failed) return 3;
@@ -23,32 +21,17 @@ std::uint8_t history_bin(std::uint32_t passed, std::uint32_t failed) {
 
 }  // namespace
 
-CandidateEvidence::CandidateEvidence(std::uint32_t rows, std::uint32_t columns, std::vector<Cell> cells)
+CandidateEvidence::CandidateEvidence(std::uint32_t rows, std::uint32_t columns, std::vector<Cell> cells,
+                                     std::vector<float> odds)
     : cells_(std::move(cells)),
       row_offsets_(rows + 1, 0),
-      votes_bins_(cells_.size()),
-      rivals_bins_(cells_.size()),
+      odds_(std::move(odds)),
       verdicts_(cells_.size(), Verdict::kNone),
       near_(cells_.size()),
       of_row_(rows),
       of_column_(columns) {
-  std::vector<std::uint32_t> best_of_row(rows, 0), best_of_column(columns, 0);
-  std::vector<std::uint32_t> with_fewer(kMostVotes + 2, 0);  // candidates by votes, then those with fewer
-  for (const Cell& c : cells_) {
-    ++row_offsets_[c.row + 1];
-    best_of_row[c.row] = std::max(best_of_row[c.row], c.votes);
-    best_of_column[c.column] = std::max(best_of_column[c.column], c.votes);
-    ++with_fewer[std::min(c.votes, kMostVotes) + 1];
-  }
+  for (const Cell& c : cells_) ++row_offsets_[c.row + 1];
   for (std::uint32_t r = 0; r < rows; ++r) row_offsets_[r + 1] += row_offsets_[r];
-  for (std::uint32_t v = 0; v <= kMostVotes; ++v) with_fewer[v + 1] += with_fewer[v];
-  for (std::uint32_t i = 0; i < cells_.size(); ++i) {
-    const Cell& c = cells_[i];
-    const std::uint64_t below = with_fewer[std::min(c.votes, kMostVotes)];
-    votes_bins_[i] = static_cast<std::uint8_t>(below * PassModel::kVotes / cells_.size());
-    const std::uint32_t best = std::max(best_of_row[c.row], best_of_column[c.column]);
-    rivals_bins_[i] = c.votes == best ? 3 : 4 * c.votes >= 3 * best ? 2 : 2 * c.votes >= best ? 1 : 0;
-  }
 }
 
 std::uint32_t CandidateEvidence::first_at(std::uint32_t row, std::uint32_t column) const {
@@ -85,16 +68,17 @@ PassFeatures CandidateEvidence::features(std::uint32_t candidate) const {
   std::uint32_t failed = of_row_[c.row].failed + of_column_[c.column].failed;
   if (verdicts_[candidate] == Verdict::kPassed) passed -= 2;
   if (verdicts_[candidate] == Verdict::kFailed) failed -= 2;
-  return {votes_bins_[candidate], rivals_bins_[candidate], support_bin(near.passed, near.failed),
-          history_bin(passed, failed)};
+  return {odds_[candidate], support_bin(near.passed, near.failed), history_bin(passed, failed)};
 }
 
 std::vector<PassModel::Count> CandidateEvidence::counts() const {
   std::vector<PassModel::Count> counts(PassModel::kCells);
   for (const std::uint32_t i : verified_) {
-    PassModel::Count& count = counts[PassModel::cell(features(i))];
+    const PassFeatures f = features(i);
+    PassModel::Count& count = counts[PassModel::cell(f)];
     ++count.verified;
     count.passed += verdicts_[i] == Verdict::kPassed ? 1 : 0;
+    count.odds += f.odds;
   }
   return counts;
 }

@@ -22,8 +22,8 @@ class CandidateEvidence {
   // Images so far apart along the sequence, at most, are neighbours.
   static constexpr std::uint32_t kWindow = 2;
 
-  // `cells`: ascending by (row, column), each once.
-  CandidateEvidence(std::uint32_t rows, std::uint32_t columns, std::vector<Cell> cells);
+  // `cells`: ascending by (row, column), each once. `odds`: of each, by votes alone (vote_odds).
+  CandidateEvidence(std::uint32_t rows, std::uint32_t columns, std::vector<Cell> cells, std::vector<float> odds);
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(cells_.size()); }
   const Cell& cell(std::uint32_t candidate) const { return cells_[candidate]; }
@@ -49,7 +49,7 @@ class CandidateEvidence {
   };
   std::vector<Cell> cells_;
   std::vector<std::uint32_t> row_offsets_;
-  std::vector<std::uint8_t> votes_bins_, rivals_bins_;
+  std::vector<float> odds_;
   std::vector<Verdict> verdicts_;
   std::vector<std::uint32_t> verified_;  // in order of their verdicts
   std::vector<Tally> near_, of_row_, of_column_;

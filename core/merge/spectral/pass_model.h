@@ -7,39 +7,38 @@
 
 namespace mapweld {
 
-// What is known of a candidate, each as a small number (a bin).
+// What is known of a candidate; verdicts as a small number (a bin).
 struct PassFeatures {
-  std::uint8_t votes = 0;    // eighth of all candidates by votes: 7 has the most
-  std::uint8_t rivals = 0;   // its votes beside the best of its row and of its column: 3 is the best of both
+  float odds = 0;            // log-odds by votes alone (vote_odds)
   std::uint8_t support = 0;  // verdicts near by along both sequences
   std::uint8_t history = 0;  // verdicts of its source and of its target
 };
 
-// An additive logistic model over the bins (a weight for each bin of each feature), fitted to all verdicts at once by
-// Newton steps on one weight after the other and held near fixed prior weights; then each combination of bins (a
-// cell) moves from the model's chance to its own share of passed verdicts as it gathers some. Only counts go in, so
-// that the model does not depend on the order of the verdicts; only + - * / are used, so that it is the same
-// everywhere.
+// An additive logistic model over the odds by votes and over bins (a weight for each bin of the odds and of each
+// feature), fitted to all verdicts at once by Newton steps on one weight after the other and held near fixed prior
+// weights; then each combination of bins (a cell) moves from the model's chance to its own share of passed verdicts as
+// it gathers some. Only exact sums go in, so that the model does not depend on the order of the verdicts; only + - * /
+// and the portable logarithm are used, so that it is the same everywhere.
 class PassModel {
  public:
-  static constexpr int kVotes = 8, kRivals = 4, kSupport = 7, kHistory = 6;
-  static constexpr int kCells = kVotes * kRivals * kSupport * kHistory;
+  static constexpr int kOdds = 16, kSupport = 7, kHistory = 6;
+  static constexpr int kCells = kOdds * kSupport * kHistory;
 
-  static std::uint16_t cell(const PassFeatures& f) {
-    return static_cast<std::uint16_t>(((f.votes * kRivals + f.rivals) * kSupport + f.support) * kHistory + f.history);
-  }
+  static std::uint16_t cell(const PassFeatures& features);
 
   // Verdicts by cell.
   struct Count {
     std::uint32_t verified = 0;
     std::uint32_t passed = 0;
+    double odds = 0;  // by votes, summed
   };
   explicit PassModel(const std::vector<Count>& counts);
 
-  double chance(std::uint16_t cell) const { return chances_[cell]; }
+  double chance(const PassFeatures& features) const;
 
  private:
-  std::array<float, kCells> chances_{};
+  static int odds_bin(float odds);
+  std::array<float, kCells> offsets_{};  // from a candidate's odds by votes to its log-odds
 };
 
 }  // namespace mapweld

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "core/errors.h"
+#include "core/merge/spectral/vote_odds.h"
 
 namespace mapweld {
 
@@ -86,11 +87,12 @@ void Spectral::make_order() {
   cells.reserve(state_.search.postponed.size());
   for (const Candidate& c : state_.search.postponed) cells.push_back(cell_of(c));
   AppearanceGraph graph(graph_.vertices(), input_.inner_edges);
+  std::vector<float> odds = vote_odds(graph, blocks_.sources, blocks_.targets, cells);
   for (std::uint64_t i = 0; i < state_.inherited_edges; ++i) {
     const MergeEdge& e = state_.edges[i];
     graph.add_edge(e.u, e.v, static_cast<std::uint32_t>(e.verification.inliers));
   }
-  order_.emplace(std::move(graph), blocks_.sources, blocks_.targets, std::move(cells), options_);
+  order_.emplace(std::move(graph), blocks_.sources, blocks_.targets, std::move(cells), std::move(odds), options_);
 }
 
 void Spectral::choose_batch() {

@@ -51,13 +51,13 @@ std::uint64_t SpectralSchedule::batch_size(std::uint64_t verifications) const {
 
 SpectralOrder::SpectralOrder(AppearanceGraph graph, std::span<const VertexId> sources,
                              std::span<const VertexId> targets, std::vector<CandidateEvidence::Cell> cells,
-                             const SpectralOptions& options)
+                             std::vector<float> odds, const SpectralOptions& options)
     : options_(options),
       graph_(std::move(graph)),
       sources_(sources),
       targets_(targets),
       evidence_(static_cast<std::uint32_t>(sources.size()), static_cast<std::uint32_t>(targets.size()),
-                std::move(cells)),
+                std::move(cells), std::move(odds)),
       schedule_(graph_, options),
       is_joined_(graph_.vertices(), 0) {
   left_.resize(evidence_.size());
@@ -103,7 +103,7 @@ void SpectralOrder::draw_shortlist(std::size_t count) {
   std::vector<Scored> strengthening, others;
   double best = 0, best_chance = 0;
   for (const std::uint32_t c : left_) {
-    const double chance = squared(model.chance(PassModel::cell(evidence_.features(c))));
+    const double chance = squared(model.chance(evidence_.features(c)));
     if (is_strengthening(c)) {
       const double score = chance * gain_->first_gain(source(c), target(c));
       strengthening.push_back({score, c});
@@ -184,7 +184,7 @@ std::vector<std::uint32_t> SpectralOrder::next_batch() {
   for (std::uint32_t i = 0; i < shortlist_.size(); ++i) {
     const std::uint32_t c = shortlist_[i];
     Entry& entry = entries[i];
-    entry.chance = squared(model.chance(PassModel::cell(evidence_.features(c))));
+    entry.chance = squared(model.chance(evidence_.features(c)));
     entry.strengthens = is_strengthening(c);
     if (entry.strengthens) {
       const double score = entry.chance * gain_->gain(source(c), target(c));

@@ -77,11 +77,11 @@ class SpectralOrder {
     std::uint32_t candidate = 0;
     bool passed = false;
   };
-  // `graph`: all members, inner edges only. `sources`, `targets`: the vertex of each row, of each column; a vertex may
-  // have several (PairBlocks). `cells`: the candidates, ascending by (row, column), each once; they are numbered in
-  // this order.
+  // `graph`: all members, the edges that there are when verifications begin. `sources`, `targets`: the vertex of each
+  // row, of each column; a vertex may have several (PairBlocks). `cells`: the candidates, ascending by (row, column),
+  // each once; they are numbered in this order. `odds`: of each candidate, by votes alone (vote_odds).
   SpectralOrder(AppearanceGraph graph, std::span<const VertexId> sources, std::span<const VertexId> targets,
-                std::vector<CandidateEvidence::Cell> cells, const SpectralOptions& options);
+                std::vector<CandidateEvidence::Cell> cells, std::vector<float> odds, const SpectralOptions& options);
 
   std::uint32_t size() const { return evidence_.size(); }
   // The candidate of a row and a column; size() when there is none.

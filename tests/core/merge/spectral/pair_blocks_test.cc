@@ -40,7 +40,8 @@ TEST(PairBlocks, NoVerdictSupportsACandidateOfAnotherPair) {
   }
   for (std::uint32_t verified = 0; verified < cells.size(); ++verified) {
     CandidateEvidence evidence(static_cast<std::uint32_t>(blocks.sources.size()),
-                               static_cast<std::uint32_t>(blocks.targets.size()), cells);
+                               static_cast<std::uint32_t>(blocks.targets.size()), cells,
+                               std::vector<float>(cells.size(), 0));
     evidence.note(verified, true);
     bool has_supported = false;
     for (std::uint32_t other = 0; other < cells.size(); ++other) {

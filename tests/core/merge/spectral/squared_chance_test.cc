@@ -31,6 +31,9 @@ struct Chain {
   }
 };
 
+// Log-odds of the three: many votes tell.
+std::vector<float> odds() { return {1, -2, -2}; }
+
 std::vector<CandidateEvidence::Cell> cells(std::uint32_t near) {
   return {{near, near, 90}, {kImages - 2, kImages - 2, 10}, {kImages - 1, kImages - 1, 10}};
 }
@@ -40,9 +43,9 @@ std::optional<std::uint32_t> where_the_square_decides(const Chain& chain) {
   const ConnectivityGain gain(chain.graph, SpectralOptions{}.gain);
   const PassModel model(std::vector<PassModel::Count>(PassModel::kCells));
   for (std::uint32_t near = 1; near + 10 < kImages; ++near) {
-    const CandidateEvidence evidence(kImages, kImages, cells(near));
+    const CandidateEvidence evidence(kImages, kImages, cells(near), odds());
     const auto worth = [&](std::uint32_t c, int power) {
-      const double chance = model.chance(PassModel::cell(evidence.features(c)));
+      const double chance = model.chance(evidence.features(c));
       const CandidateEvidence::Cell& cell = evidence.cell(c);
       return (power == 2 ? chance * chance : chance) * gain.gain(chain.sources[cell.row], chain.targets[cell.column]);
     };
@@ -61,11 +64,11 @@ TEST(SpectralOrder, WeighsTheChanceTwice) {
   options.quickconnect_share = 1000;
   options.least_batch = options.least_epoch = 1;
   options.epoch_vertices = 1000;
-  SpectralOrder order(chain.graph, chain.sources, chain.targets, cells(*near), options);
+  SpectralOrder order(chain.graph, chain.sources, chain.targets, cells(*near), odds(), options);
   EXPECT_EQ(order.next_batch(), std::vector<std::uint32_t>{0}) << "of all three";
   // A short list of two of the three: it must hold the likely one.
   options.shortlist = 1;
-  SpectralOrder cut(chain.graph, chain.sources, chain.targets, cells(*near), options);
+  SpectralOrder cut(chain.graph, chain.sources, chain.targets, cells(*near), odds(), options);
   EXPECT_EQ(cut.next_batch(), std::vector<std::uint32_t>{0}) << "of the short list";
 }
 
