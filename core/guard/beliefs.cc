@@ -55,7 +55,8 @@ void Beliefs::see_around(std::uint32_t e, std::vector<std::uint32_t>& raised) {
 
 void Beliefs::settle(bool links_changed) {
   std::vector<std::uint32_t> raised;
-  for (std::uint32_t e = links_changed ? 0 : settled_; e < size(); ++e) see_around(e, raised);
+  for (std::uint32_t e = settled_; e < size(); ++e) see_around(e, raised);
+  for (std::uint32_t e = 0; links_changed && e < settled_; ++e) raised.push_back(e);
   std::ranges::sort(raised);
   raised.erase(std::ranges::unique(raised).begin(), raised.end());
 

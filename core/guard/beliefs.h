@@ -20,8 +20,8 @@ namespace mapweld {
 class Beliefs {
  public:
   // Fullness is looked for `around` an edge along one set of links, whose beliefs are fullnesses: what is seen along a
-  // link counts at most as full as the link. Belief is passed on along another. Both by vertex, may be one, must
-  // outlive this object and may change between calls of `settle`.
+  // link counts at most as full as the link; these do not change. Belief is passed on along another, which may change
+  // between calls of `settle`. Both by vertex, may be one, must outlive this object.
   Beliefs(const LinkLists& around, const LinkLists& passing, const EvidenceModel& model, bool is_inner)
       : around_(around),
         passing_(passing),
@@ -33,7 +33,8 @@ class Beliefs {
 
   // `signs.fullness_around` counts from the edge's own fullness on. Edges are numbered from 0.
   void add(std::uint32_t u, std::uint32_t v, const EdgeSigns& signs);
-  // Takes up what has been added; with `links_changed` all edges again. No belief is taken back.
+  // Takes up what has been added; with `links_changed`, of those that belief is passed on along, all edges again. No
+  // belief is taken back.
   void settle(bool links_changed = false);
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(edges_.size()); }
