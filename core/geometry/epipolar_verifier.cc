@@ -4,11 +4,13 @@
 #include <cmath>
 #include <iterator>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "core/geometry/correspondences.h"
 #include "core/geometry/false_alarms.h"
+#include "core/geometry/matchable_image.h"
 #include "core/geometry/one_to_one.h"
 #include "core/geometry/portable_math.h"
 #include "core/geometry/signature_matches.h"
@@ -81,20 +83,24 @@ std::vector<std::pair<std::uint16_t, std::uint16_t>> pairs_of(const std::vector<
 }
 
 // With signatures, words only say which pairs are worth a closer look, and how one image is turned against the other.
-std::vector<FeatureMatch> matches_by_signatures(const AppearanceVector& a, const AppearanceVector& b,
+std::vector<FeatureMatch> matches_by_signatures(const MatchableImage& a, const MatchableImage& b,
                                                 std::vector<FeatureMatch> of_words) {
   const SignatureMatchOptions options;
-  of_words = with_near_signatures(a, b, of_words, options);
-  const CommonTurn turn = common_turn(a, b, of_words);
+  of_words = with_near_signatures(a.image(), b.image(), of_words, options);
+  const CommonTurn turn = common_turn(a.image(), b.image(), of_words);
   if (turn.agreeing < kWorthALook) return of_words;
-  const std::vector<FeatureMatch> nearest = signature_matches(a, b, turn.turn_deg, options);
+  const std::vector<FeatureMatch> nearest = signature_matches(a.signatures(), b.signatures(), turn.turn_deg, options);
   std::vector<FeatureMatch> all;
   all.reserve(of_words.size() + nearest.size());
   std::ranges::set_union(of_words, nearest, std::back_inserter(all));
   return all;
 }
 
-Verification verify_in_order(const AppearanceVector& a, const AppearanceVector& b, const VerifierOptions& options) {
+// `common`: the words that both have.
+Verification verify_in_order(const MatchableImage& image_a, const MatchableImage& image_b,
+                             std::span<const CommonWord> common, const VerifierOptions& options) {
+  const AppearanceVector& a = image_a.image();
+  const AppearanceVector& b = image_b.image();
   Verification v;
   v.log10_false_alarms = kNoEvidence;
   const auto reject = [&](Reason reason) {
@@ -105,8 +111,8 @@ Verification verify_in_order(const AppearanceVector& a, const AppearanceVector& 
   if (a.appearances.size() < needed || b.appearances.size() < needed) return reject(Reason::kTooFewFeatures);
 
   const bool by_signatures = options.signatures && has_signatures(a) && has_signatures(b);
-  std::vector<FeatureMatch> found = word_matches(a, b, kMaxPairings, kMaxMatches);
-  if (by_signatures) found = matches_by_signatures(a, b, std::move(found));
+  std::vector<FeatureMatch> found = word_matches(common, kMaxPairings, kMaxMatches);
+  if (by_signatures) found = matches_by_signatures(image_a, image_b, std::move(found));
   if (found.size() < needed) {
     v.matches = static_cast<int>(found.size());
     return reject(Reason::kTooFewInliers);
@@ -117,14 +123,15 @@ Verification verify_in_order(const AppearanceVector& a, const AppearanceVector& 
   v.matches = static_cast<int>(vote.matches.size());
   v.inliers = static_cast<int>(supported.size());
   if (supported.size() < needed) return reject(Reason::kTooFewInliers);
-  if (by_signatures && view_overlap(a, b, pairs_of(pairings, supported)).matched_share < kMinMatchedShare) {
-    return reject(Reason::kInconsistent);
-  }
+  const auto is_too_little = [&](const std::vector<std::pair<std::uint16_t, std::uint16_t>>& matched) {
+    return by_signatures && matched_share(image_a.places(), image_b.places(), matched) < kMinMatchedShare;
+  };
+  if (is_too_little(pairs_of(pairings, supported))) return reject(Reason::kInconsistent);
 
   const Correspondences c = select(vote.all, supported);
   const TwoViewGeometry geometry =
       estimate_two_view_geometry(c, v.matches, shuffled(select(vote.all, vote.matches), kBackgroundShifts),
-                                 3 * content_hash(a) + content_hash(b), {});
+                                 3 * image_a.content() + image_b.content(), {});
   v.kind = geometry.kind;
   if (v.kind != GeometryKind::kNone) v.geometry = in_pixels(geometry, a, b);
   v.log10_false_alarms = std::min(geometry.log10_false_alarms + portable_log10(kNominalTests), kNoEvidence);
@@ -142,19 +149,18 @@ Verification verify_in_order(const AppearanceVector& a, const AppearanceVector& 
   if (std::max(spread(c.xa, c.ya, consistent), spread(c.xb, c.yb, consistent)) < kMinSpread) {
     return reject(Reason::kNotSignificant);
   }
-  if (by_signatures && view_overlap(a, b, v.inlier_matches).matched_share < kMinMatchedShare) {
-    return reject(Reason::kInconsistent);
-  }
+  if (is_too_little(v.inlier_matches)) return reject(Reason::kInconsistent);
   v.accepted = true;
   return v;
 }
 
 // By what is left of the images without what the camera carries with it.
-Verification verify_rest_in_order(const AppearanceVector& a, const AppearanceVector& b,
-                                  const VerifierOptions& options) {
-  const std::optional<WithoutStatic> rest = without_static(a, b, {});
-  if (!rest) return verify_in_order(a, b, options);
-  Verification v = verify_in_order(rest->a, rest->b, options);
+Verification verify_rest_in_order(const MatchableImage& a, const MatchableImage& b, const VerifierOptions& options) {
+  const std::vector<CommonWord> common = common_words(a.words(), b.words());
+  const std::optional<WithoutStatic> rest = without_static(a.image(), b.image(), common, {});
+  if (!rest) return verify_in_order(a, b, common, options);
+  const MatchableImage rest_a(rest->a), rest_b(rest->b);
+  Verification v = verify_in_order(rest_a, rest_b, common_words(rest_a.words(), rest_b.words()), options);
   for (auto& [in_a, in_b] : v.inlier_matches) {
     in_a = rest->index_a[in_a];
     in_b = rest->index_b[in_b];
@@ -162,10 +168,22 @@ Verification verify_rest_in_order(const AppearanceVector& a, const AppearanceVec
   return v;
 }
 
+Verification verify_matchable(const MatchableImage& a, const MatchableImage& b, const VerifierOptions& options) {
+  return a.image() <= b.image() ? verify_rest_in_order(a, b, options) : mirrored(verify_rest_in_order(b, a, options));
+}
+
 }  // namespace
 
 Verification EpipolarVerifier::verify(const AppearanceVector& a, const AppearanceVector& b) const {
-  return a <= b ? verify_rest_in_order(a, b, options_) : mirrored(verify_rest_in_order(b, a, options_));
+  return verify_matchable(MatchableImage(a), MatchableImage(b), options_);
+}
+
+std::shared_ptr<const PreparedImage> EpipolarVerifier::prepare(std::shared_ptr<const AppearanceVector> image) const {
+  return std::make_shared<MatchableImage>(std::move(image));
+}
+
+Verification EpipolarVerifier::verify_prepared(const PreparedImage& a, const PreparedImage& b) const {
+  return verify_matchable(dynamic_cast<const MatchableImage&>(a), dynamic_cast<const MatchableImage&>(b), options_);
 }
 
 std::shared_ptr<const PairVerifier> make_verifier(const VerifierOptions& options) {

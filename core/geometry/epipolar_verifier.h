@@ -14,6 +14,8 @@ class EpipolarVerifier final : public PairVerifier {
   explicit EpipolarVerifier(const VerifierOptions& options = {}) : options_(options) {}
 
   Verification verify(const AppearanceVector& a, const AppearanceVector& b) const override;
+  std::shared_ptr<const PreparedImage> prepare(std::shared_ptr<const AppearanceVector> image) const override;
+  Verification verify_prepared(const PreparedImage& a, const PreparedImage& b) const override;
   std::string version() const override { return options_.signatures ? "epipolar-3" : "epipolar-3-words"; }
   const VerifierOptions& options() const override { return options_; }
 

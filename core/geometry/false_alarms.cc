@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -13,7 +12,14 @@ namespace mapweld {
 Background::Background(std::span<const float> distances2, int dimension)
     : total_(static_cast<double>(distances2.size())), dimension_(dimension) {
   constexpr float kRadius2 = static_cast<float>(kRadius * kRadius);
-  std::ranges::copy_if(distances2, std::back_inserter(near2_), [](float d2) { return d2 <= kRadius2; });
+  // Which are near nobody can foresee: no branch depends on it.
+  near2_.resize(distances2.size() + 1);
+  std::size_t near = 0;
+  for (const float d2 : distances2) {
+    near2_[near] = d2;
+    near += d2 <= kRadius2 ? 1 : 0;
+  }
+  near2_.resize(near);
   std::ranges::sort(near2_);
 }
 

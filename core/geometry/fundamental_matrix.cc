@@ -5,6 +5,8 @@
 
 #include <Eigen/Dense>
 
+#include "core/wide_loops.h"
+
 namespace mapweld {
 namespace {
 
@@ -49,51 +51,100 @@ int cubic_roots(double c3, double c2, double c1, double c0, std::array<double, 3
   return n;
 }
 
+// The equations of seven matches, solved by Gauss-Jordan with full pivoting: seven pivot columns, two free ones span
+// the null space.
+class SevenEquations {
+ public:
+  SevenEquations(const Correspondences& c, const std::array<std::uint32_t, 7>& sample) {
+    for (std::size_t r = 0; r < 7; ++r) {
+      const std::uint32_t i = sample[r];
+      const double xa = c.xa[i], ya = c.ya[i], xb = c.xb[i], yb = c.yb[i];
+      rows_[r] = {xb * xa, xb * ya, xb, yb * xa, yb * ya, yb, xa, ya, 1};
+    }
+  }
+
+  // False when they do not determine two dimensions.
+  MAPWELD_INLINE inline bool eliminate() {
+    for (std::size_t r = 0; r < 7; ++r) {
+      // The greatest of each column, of which then that of all; of several equal ones the first by rows.
+      Row greatest{};
+      for (std::size_t i = r; i < 7; ++i) {
+        for (std::size_t j = 0; j < kWidth; ++j) greatest[j] = std::max(greatest[j], std::fabs(rows_[i][j]));
+      }
+      const double best = *std::max_element(greatest.begin() + r, greatest.begin() + 9);
+      if (!(best >= 1e-9)) return false;
+      std::size_t row = r;
+      std::size_t col = r;
+      while (std::fabs(rows_[row][col]) != best) {
+        if (++col == 9) {
+          col = r;
+          ++row;
+        }
+      }
+      std::swap(rows_[r], rows_[row]);
+      for (Row& each : rows_) std::swap(each[r], each[col]);
+      std::swap(column_[r], column_[col]);
+      // Columns before the r-th are done with: whatever is made of them is not looked at.
+      const double inverse = 1 / rows_[r][r];
+      for (std::size_t j = 0; j < kWidth; ++j) rows_[r][j] *= inverse;
+      const Row pivot = rows_[r];
+      for (std::size_t i = 0; i < 7; ++i) {
+        if (i == r) continue;
+        const double factor = rows_[i][r];
+        for (std::size_t j = 0; j < kWidth; ++j) rows_[i][j] -= factor * pivot[j];
+      }
+    }
+    return true;
+  }
+
+  void tell_null_space(Matrix3& f1, Matrix3& f2) const {
+    for (std::size_t r = 0; r < 7; ++r) {
+      f1[column_[r]] = -rows_[r][7];
+      f2[column_[r]] = -rows_[r][8];
+    }
+    f1[column_[7]] = 1;
+    f2[column_[8]] = 1;
+  }
+
+ private:
+  static constexpr std::size_t kWidth = 12;  // nine columns, and zeros up to whole registers
+  using Row = std::array<double, kWidth>;
+  std::array<Row, 7> rows_;
+  std::array<std::size_t, 9> column_{0, 1, 2, 3, 4, 5, 6, 7, 8};  // where each column came from
+};
+
+// The sums of products of all rows of an overdetermined system, row by row: its lower triangle.
+class NormalEquations {
+ public:
+  MAPWELD_INLINE inline void add(const std::array<double, 9>& values) {
+    std::array<double, kWidth> row{};
+    std::copy(values.begin(), values.end(), row.begin());
+    add_rows<0, 4>(row);
+    add_rows<4, 8>(row);
+    add_rows<8, 9>(row);
+  }
+  double at(std::size_t p, std::size_t q) const { return sums_[p][q]; }
+
+ private:
+  static constexpr std::size_t kWidth = 12;
+  template <std::size_t kFrom, std::size_t kTo>
+  MAPWELD_INLINE inline void add_rows(const std::array<double, kWidth>& row) {
+    for (std::size_t p = kFrom; p < kTo; ++p) {
+      for (std::size_t q = 0; q < (kTo + 3) / 4 * 4; ++q) sums_[p][q] += row[p] * row[q];
+    }
+  }
+  std::array<std::array<double, kWidth>, 9> sums_{};
+};
+
 }  // namespace
 
 int fundamental_from_seven(const Correspondences& c, const std::array<std::uint32_t, 7>& sample,
                            std::array<Matrix3, 3>& out) {
-  std::array<std::array<double, 9>, 7> rows;
-  for (int r = 0; r < 7; ++r) {
-    const std::uint32_t i = sample[r];
-    const double xa = c.xa[i], ya = c.ya[i], xb = c.xb[i], yb = c.yb[i];
-    rows[r] = {xb * xa, xb * ya, xb, yb * xa, yb * ya, yb, xa, ya, 1};
-  }
-  // Gauss-Jordan with full pivoting: seven pivot columns, two free ones span the null space.
-  std::array<int, 9> column{0, 1, 2, 3, 4, 5, 6, 7, 8};
-  for (int r = 0; r < 7; ++r) {
-    int best_row = r;
-    int best_col = r;
-    double best = 0;
-    for (int i = r; i < 7; ++i) {
-      for (int j = r; j < 9; ++j) {
-        const double v = std::fabs(rows[i][column[j]]);
-        if (v > best) {
-          best = v;
-          best_row = i;
-          best_col = j;
-        }
-      }
-    }
-    if (best < 1e-9) return 0;
-    std::swap(rows[r], rows[best_row]);
-    std::swap(column[r], column[best_col]);
-    const double inverse = 1 / rows[r][column[r]];
-    for (int j = r; j < 9; ++j) rows[r][column[j]] *= inverse;
-    for (int i = 0; i < 7; ++i) {
-      if (i == r) continue;
-      const double factor = rows[i][column[r]];
-      for (int j = r; j < 9; ++j) rows[i][column[j]] -= factor * rows[r][column[j]];
-    }
-  }
+  SevenEquations equations(c, sample);
+  if (!wide_loops([&]() MAPWELD_INLINE { return equations.eliminate(); })) return 0;
   Matrix3 f1{};
   Matrix3 f2{};
-  for (int r = 0; r < 7; ++r) {
-    f1[column[r]] = -rows[r][column[7]];
-    f2[column[r]] = -rows[r][column[8]];
-  }
-  f1[column[7]] = 1;
-  f2[column[8]] = 1;
+  equations.tell_null_space(f1, f2);
 
   // det(f1 + x (f2 - f1)) is a cubic in x; its coefficients from four values.
   Matrix3 d;
@@ -138,14 +189,18 @@ std::optional<Matrix3> fundamental_from_many(const Correspondences& c, std::span
   if (!(va > 0) || !(vb > 0)) return std::nullopt;
   const double sa = std::sqrt(2 * n / va);
   const double sb = std::sqrt(2 * n / vb);
-  Eigen::Matrix<double, 9, 9> ata = Eigen::Matrix<double, 9, 9>::Zero();
-  for (const std::uint32_t i : chosen) {
-    const double xa = sa * (c.xa[i] - mxa), ya = sa * (c.ya[i] - mya);
-    const double xb = sb * (c.xb[i] - mxb), yb = sb * (c.yb[i] - myb);
-    const double row[9] = {xb * xa, xb * ya, xb, yb * xa, yb * ya, yb, xa, ya, 1};
-    for (int p = 0; p < 9; ++p) {
-      for (int q = 0; q <= p; ++q) ata(p, q) += row[p] * row[q];
+  const NormalEquations equations = wide_loops([&]() MAPWELD_INLINE {
+    NormalEquations sums;
+    for (const std::uint32_t i : chosen) {
+      const double xa = sa * (c.xa[i] - mxa), ya = sa * (c.ya[i] - mya);
+      const double xb = sb * (c.xb[i] - mxb), yb = sb * (c.yb[i] - myb);
+      sums.add({xb * xa, xb * ya, xb, yb * xa, yb * ya, yb, xa, ya, 1});
     }
+    return sums;
+  });
+  Eigen::Matrix<double, 9, 9> ata = Eigen::Matrix<double, 9, 9>::Zero();
+  for (int p = 0; p < 9; ++p) {
+    for (int q = 0; q <= p; ++q) ata(p, q) = equations.at(static_cast<std::size_t>(p), static_cast<std::size_t>(q));
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> eigen(ata);
   if (eigen.info() != Eigen::Success) return std::nullopt;
@@ -175,17 +230,19 @@ void epipolar_distances2(const Correspondences& c, const Matrix3& f, std::vector
   for (const double v : f) largest = std::max(largest, std::fabs(v));
   std::array<float, 9> m;
   for (int k = 0; k < 9; ++k) m[k] = static_cast<float>(f[k] / largest);
-  for (std::size_t i = 0; i < n; ++i) {
-    const float xa = c.xa[i], ya = c.ya[i], xb = c.xb[i], yb = c.yb[i];
-    const float lb0 = m[0] * xa + m[1] * ya + m[2];
-    const float lb1 = m[3] * xa + m[4] * ya + m[5];
-    const float lb2 = m[6] * xa + m[7] * ya + m[8];
-    const float la0 = m[0] * xb + m[3] * yb + m[6];
-    const float la1 = m[1] * xb + m[4] * yb + m[7];
-    const float e = xb * lb0 + yb * lb1 + lb2;
-    const float norm2 = std::min(lb0 * lb0 + lb1 * lb1, la0 * la0 + la1 * la1);
-    out[i] = e * e / std::max(norm2, 1e-20f);
-  }
+  wide_loops([&]() MAPWELD_INLINE {
+    for (std::size_t i = 0; i < n; ++i) {
+      const float xa = c.xa[i], ya = c.ya[i], xb = c.xb[i], yb = c.yb[i];
+      const float lb0 = m[0] * xa + m[1] * ya + m[2];
+      const float lb1 = m[3] * xa + m[4] * ya + m[5];
+      const float lb2 = m[6] * xa + m[7] * ya + m[8];
+      const float la0 = m[0] * xb + m[3] * yb + m[6];
+      const float la1 = m[1] * xb + m[4] * yb + m[7];
+      const float e = xb * lb0 + yb * lb1 + lb2;
+      const float norm2 = std::min(lb0 * lb0 + lb1 * lb1, la0 * la0 + la1 * la1);
+      out[i] = e * e / std::max(norm2, 1e-20f);
+    }
+  });
 }
 
 }  // namespace mapweld

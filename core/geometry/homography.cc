@@ -6,6 +6,8 @@
 
 #include <Eigen/Dense>
 
+#include "core/wide_loops.h"
+
 namespace mapweld {
 namespace {
 
@@ -103,12 +105,14 @@ void transfer_distances2(const Correspondences& c, const Matrix3& h, std::vector
   out.resize(n);
   std::array<float, 9> m;
   for (int k = 0; k < 9; ++k) m[k] = static_cast<float>(h[k]);
-  for (std::size_t i = 0; i < n; ++i) {
-    const float w = m[6] * c.xa[i] + m[7] * c.ya[i] + m[8];
-    const float dx = (m[0] * c.xa[i] + m[1] * c.ya[i] + m[2]) / w - c.xb[i];
-    const float dy = (m[3] * c.xa[i] + m[4] * c.ya[i] + m[5]) / w - c.yb[i];
-    out[i] = w > 1e-6f ? dx * dx + dy * dy : std::numeric_limits<float>::infinity();
-  }
+  wide_loops([&]() MAPWELD_INLINE {
+    for (std::size_t i = 0; i < n; ++i) {
+      const float w = m[6] * c.xa[i] + m[7] * c.ya[i] + m[8];
+      const float dx = (m[0] * c.xa[i] + m[1] * c.ya[i] + m[2]) / w - c.xb[i];
+      const float dy = (m[3] * c.xa[i] + m[4] * c.ya[i] + m[5]) / w - c.yb[i];
+      out[i] = w > 1e-6f ? dx * dx + dy * dy : std::numeric_limits<float>::infinity();
+    }
+  });
 }
 
 RobustHomography robust_homography(const Correspondences& c, float max_distance) {
@@ -127,20 +131,22 @@ RobustHomography robust_homography(const Correspondences& c, float max_distance)
   const float loose2 = 9 * max_distance * max_distance;
   int most = 0;
   std::uint32_t seed = 0;
-  for (std::uint32_t i = 0; i < n; ++i) {
-    int agreeing = 0;
-    for (std::uint32_t j = 0; j < n; ++j) {
-      const float dxa = c.xa[j] - c.xa[i];
-      const float dya = c.ya[j] - c.ya[i];
-      const float ex = c.m_re[i] * dxa - c.m_im[i] * dya - (c.xb[j] - c.xb[i]);
-      const float ey = c.m_im[i] * dxa + c.m_re[i] * dya - (c.yb[j] - c.yb[i]);
-      agreeing += ex * ex + ey * ey <= loose2;
+  wide_loops([&]() MAPWELD_INLINE {
+    for (std::uint32_t i = 0; i < n; ++i) {
+      int agreeing = 0;
+      for (std::size_t j = 0; j < n; ++j) {
+        const float dxa = c.xa[j] - c.xa[i];
+        const float dya = c.ya[j] - c.ya[i];
+        const float ex = c.m_re[i] * dxa - c.m_im[i] * dya - (c.xb[j] - c.xb[i]);
+        const float ey = c.m_im[i] * dxa + c.m_re[i] * dya - (c.yb[j] - c.yb[i]);
+        agreeing += ex * ex + ey * ey <= loose2;
+      }
+      if (agreeing > most) {
+        most = agreeing;
+        seed = i;
+      }
     }
-    if (agreeing > most) {
-      most = agreeing;
-      seed = i;
-    }
-  }
+  });
   if (most < 4) return best;
   const double tx = c.xb[seed] - (double{c.m_re[seed]} * c.xa[seed] - double{c.m_im[seed]} * c.ya[seed]);
   const double ty = c.yb[seed] - (double{c.m_im[seed]} * c.xa[seed] + double{c.m_re[seed]} * c.ya[seed]);

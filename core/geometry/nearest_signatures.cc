@@ -1,211 +1,206 @@
 #include "core/geometry/nearest_signatures.h"
 
 #include <algorithm>
-#include <cstddef>
+#include <bit>
 
 #include "core/popcount_kernels.h"
 
 namespace mapweld {
 namespace {
 
-// A neighbour as one number, distance above, index below: the least is the nearest, and the first of several.
-constexpr std::uint32_t kNobody = 0xFFFFFFFF;
-constexpr std::uint32_t key(std::uint32_t distance, std::uint32_t index) { return distance << 16 | index; }
+using Block = SignatureBlocks::Block;
+constexpr std::size_t kLanes = SignatureBlocks::kLanes;
+constexpr std::size_t kNibbles = 32;  // of a signature
 
-void offer(std::uint32_t offered, std::uint32_t& best, std::uint32_t& second) {
-  second = std::min(second, std::max(best, offered));
-  best = std::min(best, offered);
+using Nibbles = std::array<std::uint8_t, kNibbles>;
+
+// In an order that is soon found: the lower halves of its bytes, then the upper ones.
+Nibbles nibbles_of(const Signature& signature) {
+  const auto bytes = std::bit_cast<std::array<std::uint8_t, kNibbles / 2>>(signature.bits);
+  Nibbles nibbles;
+  for (std::size_t k = 0; k < bytes.size(); ++k) {
+    nibbles[k] = bytes[k] & 15;
+    nibbles[bytes.size() + k] = bytes[k] >> 4;
+  }
+  return nibbles;
 }
 
-// Sixteen signatures of the second list by columns, and their nearest among the rows so far: six cache lines.
-struct alignas(64) Block {
-  std::array<std::array<std::uint32_t, 16>, 4> bits{};
-  std::array<std::uint32_t, 16> best, second;
-};
-constexpr std::size_t kBlock = 16;
-
-std::vector<Block> in_blocks(std::span<const Signature> signatures) {
-  std::vector<Block> blocks((signatures.size() + kBlock - 1) / kBlock);
-  for (Block& block : blocks) {
-    block.best.fill(kNobody);
-    block.second.fill(kNobody);
-  }
-  for (std::size_t j = 0; j < signatures.size(); ++j) {
-    for (std::size_t k = 0; k < 4; ++k) blocks[j / kBlock].bits[k][j % kBlock] = signatures[j].bits[k];
-  }
-  return blocks;
-}
-
-struct Row {
-  std::uint32_t best = kNobody;
-  std::uint32_t second = kNobody;
+// What one signature is to those of a block: bit k of `near` when the k-th is within the bound, and how far each is.
+struct alignas(kLanes) Distances {
+  std::array<std::uint8_t, kLanes> of{};
+  std::uint32_t near = 0;
 };
 
-// Compares row `i` with the columns from..to-1: keeps theirs, adds to its own.
-using Kernel = void (*)(const Signature& row, std::uint32_t i, std::size_t from, std::size_t to, Block* blocks,
-                        Row& own);
+// Compares `row` with each of `count` blocks.
+using Kernel = void (*)(const Nibbles& row, const Block* blocks, std::size_t count, std::uint8_t within,
+                        Distances* distances);
 
-// Without an instruction for it std::popcount looks tables up; this is a dozen operations for 32 bits.
-constexpr std::uint32_t set_bits(std::uint32_t word) {
-  word -= word >> 1 & 0x55555555;
-  word = (word & 0x33333333) + (word >> 2 & 0x33333333);
-  return ((word + (word >> 4)) & 0x0F0F0F0F) * 0x01010101 >> 24;
-}
-
-void compare_scalar(const Signature& row, std::uint32_t i, std::size_t from, std::size_t to, Block* blocks, Row& own) {
-  for (std::size_t j = from; j < to; ++j) {
-    Block& block = blocks[j / kBlock];
-    const std::size_t lane = j % kBlock;
-    std::uint32_t distance = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
-      distance += set_bits(row.bits[k] ^ block.bits[k][lane]);
+void compare_scalar(const Nibbles& row, const Block* blocks, std::size_t count, std::uint8_t within,
+                    Distances* distances) {
+  for (std::size_t k = 0; k < count; ++k) {
+    std::array<std::uint8_t, kLanes> sum{};
+    for (std::size_t n = 0; n < kNibbles; ++n) {
+      const std::uint8_t own = row[n];
+      for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        auto x = static_cast<std::uint8_t>(blocks[k].nibbles[n][lane] ^ own);
+        x = static_cast<std::uint8_t>(x - (x >> 1 & 5));  // set bits of each two of four
+        sum[lane] = static_cast<std::uint8_t>(sum[lane] + (x & 3) + (x >> 2));
+      }
     }
-    offer(key(distance, static_cast<std::uint32_t>(j)), own.best, own.second);
-    offer(key(distance, i), block.best[lane], block.second[lane]);
+    distances[k] = {sum, 0};
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      distances[k].near |= std::uint32_t{sum[lane] <= within} << lane;
+    }
   }
 }
 
 #ifdef MAPWELD_X86_KERNELS
 
-MAPWELD_AVX2 inline __m256i load_avx2(const std::uint32_t* from) {
-  return _mm256_load_si256(reinterpret_cast<const __m256i*>(from));
-}
-MAPWELD_AVX2 inline void store_avx2(std::uint32_t* to, __m256i value) {
-  _mm256_store_si256(reinterpret_cast<__m256i*>(to), value);
-}
-
-MAPWELD_AVX2 inline std::uint32_t least_lane(__m256i lanes) {
-  __m128i least = _mm_min_epu32(_mm256_castsi256_si128(lanes), _mm256_extracti128_si256(lanes, 1));
-  least = _mm_min_epu32(least, _mm_shuffle_epi32(least, _MM_SHUFFLE(1, 0, 3, 2)));
-  least = _mm_min_epu32(least, _mm_shuffle_epi32(least, _MM_SHUFFLE(2, 3, 0, 1)));
-  return static_cast<std::uint32_t>(_mm_cvtsi128_si32(least));
-}
-
-// The two least of `best` and `second`; that of a lane's two is in `best`. Numbers differ, save for nobody's.
-MAPWELD_AVX2 inline void offer_all(__m256i best, __m256i second, Row& own) {
-  const std::uint32_t least = least_lane(best);
-  const __m256i is_least = _mm256_cmpeq_epi32(best, _mm256_set1_epi32(static_cast<int>(least)));
-  offer(least, own.best, own.second);
-  offer(least_lane(_mm256_min_epu32(_mm256_or_si256(best, is_least), second)), own.best, own.second);
-}
-
-MAPWELD_AVX2 void compare_avx2(const Signature& row, std::uint32_t i, std::size_t from, std::size_t to, Block* blocks,
-                               Row& own) {
-  __m256i query[4];
-  for (std::size_t k = 0; k < 4; ++k) query[k] = _mm256_set1_epi32(static_cast<int>(row.bits[k]));
-  const __m256i rows_index = _mm256_set1_epi32(static_cast<int>(i));
-  const __m256i before = _mm256_set1_epi32(static_cast<int>(from));
-  const __m256i last = _mm256_set1_epi32(static_cast<int>(to) - 1);
-  const std::size_t first = from / 8 * 8;
-  __m256i index =
-      _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(first)), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
-  __m256i best = _mm256_set1_epi32(-1);
-  __m256i second = best;
-  for (std::size_t j = first; j < to; j += 8) {
-    Block& block = blocks[j / kBlock];
-    const std::size_t lane = j % kBlock;
-    __m256i bytes = _mm256_setzero_si256();
-    for (std::size_t k = 0; k < 4; ++k) {
-      bytes = _mm256_add_epi8(bytes, bits_of_bytes_avx2(_mm256_xor_si256(query[k], load_avx2(&block.bits[k][lane]))));
-    }
-    const __m256i words = _mm256_maddubs_epi16(bytes, _mm256_set1_epi8(1));
-    __m256i distance = _mm256_slli_epi32(_mm256_madd_epi16(words, _mm256_set1_epi16(1)), 16);
-    const __m256i outside = _mm256_or_si256(_mm256_cmpgt_epi32(before, index), _mm256_cmpgt_epi32(index, last));
-    distance = _mm256_or_si256(distance, outside);  // all ones: nobody
-    const __m256i by_row = _mm256_or_si256(distance, index);
-    second = _mm256_min_epu32(second, _mm256_max_epu32(best, by_row));
-    best = _mm256_min_epu32(best, by_row);
-    const __m256i by_column = _mm256_or_si256(distance, rows_index);
-    const __m256i column_best = load_avx2(&block.best[lane]);
-    store_avx2(&block.second[lane],
-               _mm256_min_epu32(load_avx2(&block.second[lane]), _mm256_max_epu32(column_best, by_column)));
-    store_avx2(&block.best[lane], _mm256_min_epu32(column_best, by_column));
-    index = _mm256_add_epi32(index, _mm256_set1_epi32(8));
+// By nibble of the one signature: how far it is from each of the sixteen that the other may have there. Twice.
+struct alignas(32) NibbleDistances {
+  std::array<std::uint8_t, 32> to;
+};
+constexpr std::array<NibbleDistances, 16> kNibbleDistances = [] {
+  std::array<NibbleDistances, 16> tables{};
+  for (unsigned own = 0; own < 16; ++own) {
+    for (unsigned k = 0; k < 32; ++k) tables[own].to[k] = static_cast<std::uint8_t>(std::popcount(own ^ k % 16));
   }
-  offer_all(best, second, own);
-}
+  return tables;
+}();
 
-// With a mask of all lanes: GCC 12 warns of the plain forms.
-MAPWELD_AVX512 inline __m512i least_avx512(__m512i a, __m512i b) { return _mm512_maskz_min_epu32(0xFFFF, a, b); }
-MAPWELD_AVX512 inline __m512i greatest_avx512(__m512i a, __m512i b) { return _mm512_maskz_max_epu32(0xFFFF, a, b); }
-
-MAPWELD_AVX512 void compare_avx512(const Signature& row, std::uint32_t i, std::size_t from, std::size_t to,
-                                   Block* blocks, Row& own) {
-  __m512i query[4];
-  for (std::size_t k = 0; k < 4; ++k) query[k] = _mm512_set1_epi32(static_cast<int>(row.bits[k]));
-  const __m512i nobody = _mm512_set1_epi32(-1);
-  const __m512i rows_index = _mm512_set1_epi32(static_cast<int>(i));
-  const std::size_t first = from / 16 * 16;
-  __m512i index = _mm512_add_epi32(_mm512_set1_epi32(static_cast<int>(first)),
-                                   _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
-  __m512i best = nobody;
-  __m512i second = nobody;
-  for (std::size_t j = first; j < to; j += 16) {
-    Block& block = blocks[j / 16];
-    unsigned inside = 0xFFFF;
-    if (j < from) inside &= 0xFFFFu << (from - j);
-    if (to - j < 16) inside &= (1u << (to - j)) - 1;
-    __m512i distance = _mm512_setzero_si512();
-    for (std::size_t k = 0; k < 4; ++k) {
-      distance = _mm512_add_epi32(
-          distance, _mm512_popcnt_epi32(_mm512_xor_si512(query[k], _mm512_load_si512(block.bits[k].data()))));
+// So many blocks at once, because each nibble's table serves them all.
+template <std::size_t kBlocks>
+MAPWELD_AVX2 inline void compare_some_avx2(const Nibbles& row, const Block* blocks, std::uint8_t within,
+                                           Distances* distances) {
+  __m256i sum[kBlocks];
+  for (std::size_t k = 0; k < kBlocks; ++k) sum[k] = _mm256_setzero_si256();
+#pragma GCC unroll 8
+  for (std::size_t n = 0; n < kNibbles; ++n) {
+    const __m256i table = _mm256_load_si256(reinterpret_cast<const __m256i*>(kNibbleDistances[row[n]].to.data()));
+    for (std::size_t k = 0; k < kBlocks; ++k) {
+      const __m256i theirs = _mm256_load_si256(reinterpret_cast<const __m256i*>(blocks[k].nibbles[n].data()));
+      sum[k] = _mm256_add_epi8(sum[k], _mm256_shuffle_epi8(table, theirs));
     }
-    distance = _mm512_mask_slli_epi32(nobody, static_cast<__mmask16>(inside), distance, 16);
-    const __m512i by_row = _mm512_or_si512(distance, index);
-    second = least_avx512(second, greatest_avx512(best, by_row));
-    best = least_avx512(best, by_row);
-    const __m512i by_column = _mm512_or_si512(distance, rows_index);
-    const __m512i column_best = _mm512_load_si512(block.best.data());
-    _mm512_store_si512(block.second.data(),
-                       least_avx512(_mm512_load_si512(block.second.data()), greatest_avx512(column_best, by_column)));
-    _mm512_store_si512(block.best.data(), least_avx512(column_best, by_column));
-    index = _mm512_add_epi32(index, _mm512_set1_epi32(16));
   }
-  // Sixteen lanes to eight: the lesser of two bests is one, the greater stands with the seconds.
-  const __m256i low = _mm512_maskz_extracti64x4_epi64(0xF, best, 0),
-                high = _mm512_maskz_extracti64x4_epi64(0xF, best, 1);
-  const __m256i seconds = _mm256_min_epu32(_mm512_maskz_extracti64x4_epi64(0xF, second, 0),
-                                           _mm512_maskz_extracti64x4_epi64(0xF, second, 1));
-  offer_all(_mm256_min_epu32(low, high), _mm256_min_epu32(_mm256_max_epu32(low, high), seconds), own);
+  const __m256i most = _mm256_set1_epi8(static_cast<char>(within));
+  for (std::size_t k = 0; k < kBlocks; ++k) {
+    _mm256_store_si256(reinterpret_cast<__m256i*>(distances[k].of.data()), sum[k]);
+    distances[k].near =
+        static_cast<std::uint32_t>(_mm256_movemask_epi8(_mm256_cmpeq_epi8(_mm256_min_epu8(sum[k], most), sum[k])));
+  }
 }
 
-constexpr PopcountKernels<Kernel> kKernels{compare_scalar, compare_avx2, compare_avx512};
+MAPWELD_AVX2 void compare_avx2(const Nibbles& row, const Block* blocks, std::size_t count, std::uint8_t within,
+                               Distances* distances) {
+  for (; count >= 4; count -= 4, blocks += 4, distances += 4) compare_some_avx2<4>(row, blocks, within, distances);
+  if (count == 3) compare_some_avx2<3>(row, blocks, within, distances);
+  if (count == 2) compare_some_avx2<2>(row, blocks, within, distances);
+  if (count == 1) compare_some_avx2<1>(row, blocks, within, distances);
+}
+
+// More than AVX2 is of no use: where signatures lie in memory is what it waits for.
+constexpr PopcountKernels<Kernel> kKernels{compare_scalar, compare_avx2, compare_avx2};
 #else
 constexpr PopcountKernels<Kernel> kKernels{compare_scalar};
 #endif
 
-NearestSignature told(std::uint32_t best, std::uint32_t second) {
-  if (best == kNobody) return {};
-  return {best & 0xFFFF, best >> 16, second == kNobody ? kNoDistance : second >> 16};
+// A neighbour as one number, distance above, index below: the least is the nearest, and the first of several.
+constexpr std::uint32_t kNobody = 0xFFFFFFFF;
+constexpr std::uint32_t key(std::uint32_t distance, std::uint32_t index) { return distance << 16 | index; }
+
+struct Nearest {
+  std::uint32_t best = kNobody;
+  std::uint32_t second = kNobody;
+
+  void offer(std::uint32_t offered) {
+    second = std::min(second, std::max(best, offered));
+    best = std::min(best, offered);
+  }
+  NearestSignature told() const {
+    if (best == kNobody) return {};
+    return {best & 0xFFFF, best >> 16, second == kNobody ? kNoDistance : second >> 16};
+  }
+};
+
+// One pass over the signatures of a.
+class Pass {
+ public:
+  Pass(const SignatureBlocks& b, std::uint8_t within, PopcountSimd limit)
+      : b_(b), within_(within), compare_(kKernels.widest(limit)), distances_(b.size() / kLanes + 1), of_b_(b.size()) {}
+
+  // The nearest of `row`, the i-th, and what it is to the others.
+  NearestSignature nearest_of(const Signature& row, std::uint32_t i, const Compared& compared) {
+    Nearest own;
+    const std::size_t end = std::size_t{compared.first} + compared.count;
+    const Nibbles nibbles = nibbles_of(row);
+    compare(nibbles, i, compared.first, std::min(end, b_.size()), own);
+    if (end > b_.size()) compare(nibbles, i, 0, end - b_.size(), own);
+    return own.told();
+  }
+  std::vector<NearestSignature> nearest_of_b() const {
+    std::vector<NearestSignature> told;
+    told.reserve(of_b_.size());
+    for (const Nearest& nearest : of_b_) told.push_back(nearest.told());
+    return told;
+  }
+
+ private:
+  void compare(const Nibbles& row, std::uint32_t i, std::size_t from, std::size_t to, Nearest& own) {
+    if (from >= to) return;
+    const std::size_t first = from / kLanes, last = (to - 1) / kLanes;
+    compare_(row, b_.blocks() + first, last - first + 1, within_, distances_.data());
+    distances_[0].near &= ~std::uint32_t{0} << from % kLanes;
+    distances_[last - first].near &= ~std::uint32_t{0} >> (kLanes - 1 - (to - 1) % kLanes);
+    for (std::size_t block = first; block <= last; ++block) {
+      const Distances& found = distances_[block - first];
+      for (std::uint32_t near = found.near; near != 0; near &= near - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(near));
+        const std::size_t j = block * kLanes + lane;
+        own.offer(key(found.of[lane], static_cast<std::uint32_t>(j)));
+        of_b_[j].offer(key(found.of[lane], i));
+      }
+    }
+  }
+
+  const SignatureBlocks& b_;
+  std::uint8_t within_;
+  Kernel compare_;
+  std::vector<Distances> distances_;  // of one row
+  std::vector<Nearest> of_b_;
+};
+
+// Without an instruction for it std::popcount looks tables up; this is a dozen operations for 64 bits.
+constexpr std::uint64_t set_bits(std::uint64_t word) {
+  word -= word >> 1 & 0x5555555555555555;
+  word = (word & 0x3333333333333333) + (word >> 2 & 0x3333333333333333);
+  return ((word + (word >> 4)) & 0x0F0F0F0F0F0F0F0F) * 0x0101010101010101 >> 56;
 }
 
 }  // namespace
 
 int hamming_distance(const Signature& a, const Signature& b) {
-  std::uint32_t distance = 0;
-  for (std::size_t k = 0; k < a.bits.size(); ++k) distance += set_bits(a.bits[k] ^ b.bits[k]);
-  return static_cast<int>(distance);
+  using Halves = std::array<std::uint64_t, 2>;
+  const auto of_a = std::bit_cast<Halves>(a.bits), of_b = std::bit_cast<Halves>(b.bits);
+  return static_cast<int>(set_bits(of_a[0] ^ of_b[0]) + set_bits(of_a[1] ^ of_b[1]));
 }
 
-NearestSignatures nearest_signatures(std::span<const Signature> a, std::span<const Signature> b,
-                                     std::span<const Compared> compared, PopcountSimd limit) {
-  const Kernel compare = kKernels.widest(limit);
-  std::vector<Block> blocks = in_blocks(b);
+SignatureBlocks::SignatureBlocks(std::span<const Signature> signatures)
+    : size_(signatures.size()), blocks_((signatures.size() + kLanes - 1) / kLanes) {
+  for (std::size_t j = 0; j < signatures.size(); ++j) {
+    const Nibbles nibbles = nibbles_of(signatures[j]);
+    for (std::size_t n = 0; n < kNibbles; ++n) blocks_[j / kLanes].nibbles[n][j % kLanes] = nibbles[n];
+  }
+}
+
+NearestSignatures nearest_signatures(std::span<const Signature> a, const SignatureBlocks& b,
+                                     std::span<const Compared> compared, std::uint8_t within, PopcountSimd limit) {
+  Pass pass(b, within, limit);
   NearestSignatures nearest;
   nearest.of_a.reserve(a.size());
   for (std::size_t i = 0; i < a.size(); ++i) {
-    Row own;
-    const std::size_t first = compared[i].first, end = first + compared[i].count;
-    const auto row = static_cast<std::uint32_t>(i);
-    compare(a[i], row, first, std::min(end, b.size()), blocks.data(), own);
-    if (end > b.size()) compare(a[i], row, 0, end - b.size(), blocks.data(), own);
-    nearest.of_a.push_back(told(own.best, own.second));
+    nearest.of_a.push_back(pass.nearest_of(a[i], static_cast<std::uint32_t>(i), compared[i]));
   }
-  nearest.of_b.reserve(b.size());
-  for (std::size_t j = 0; j < b.size(); ++j) {
-    const Block& block = blocks[j / kBlock];
-    nearest.of_b.push_back(told(block.best[j % kBlock], block.second[j % kBlock]));
-  }
+  nearest.of_b = pass.nearest_of_b();
   return nearest;
 }
 

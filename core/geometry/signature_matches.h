@@ -1,10 +1,13 @@
 // Matches between two images by the signatures of their features.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "core/geometry/feature_match.h"
+#include "core/geometry/nearest_signatures.h"
 #include "core/types.h"
 
 namespace mapweld {
@@ -23,8 +26,32 @@ struct SignatureMatchOptions {
 // Whether signatures are known.
 bool has_signatures(const AppearanceVector& image);
 
+// The signatures of an image as they are compared with those of others: its features in buckets by the upper byte of
+// their angles (1.4 degrees), in the order of their numbers within one. At most 65535 features.
+class SignaturesByAngle {
+ public:
+  explicit SignaturesByAngle(const AppearanceVector& image);
+
+  // By feature: angles as they are stored, 65536 to a turn, so that sums wrap around by themselves.
+  const std::vector<Signature>& signatures() const { return signatures_; }
+  const std::vector<std::uint16_t>& angles() const { return angles_; }
+  // By place in the order of angles.
+  std::uint16_t feature(std::uint32_t place) const { return features_[place]; }
+  const SignatureBlocks& blocks() const { return blocks_; }
+  // The places of those from one angle to another, whole buckets.
+  Compared between(std::uint16_t from, std::uint16_t to) const;
+
+ private:
+  std::vector<Signature> signatures_;
+  std::vector<std::uint16_t> angles_, features_;
+  std::array<std::uint32_t, 257> starts_{};
+  SignatureBlocks blocks_;
+};
+
 // Features that are each other's nearest among those that `turn_deg` allows, and near and distinct enough; ascending by
 // (a, b). `turn_deg`: by how much, about, the angles of b's features exceed those of a's. Both images have signatures.
+std::vector<FeatureMatch> signature_matches(const SignaturesByAngle& a, const SignaturesByAngle& b, float turn_deg,
+                                            const SignatureMatchOptions& options);
 std::vector<FeatureMatch> signature_matches(const AppearanceVector& a, const AppearanceVector& b, float turn_deg,
                                             const SignatureMatchOptions& options);
 

@@ -2,16 +2,14 @@
 
 #include <cstddef>
 
-#include "core/processor.h"
+#include "core/wide_loops.h"
 
 namespace mapweld {
 
 namespace {
 
-// Inlined into a function of each instruction set. The same numbers everywhere: no operation is fused or reordered.
-__attribute__((always_inline)) inline void count_support(const Correspondences& c,
-                                                         const SimilaritySupportOptions& options,
-                                                         std::vector<std::uint16_t>& support) {
+MAPWELD_INLINE inline void count_support(const Correspondences& c, const SimilaritySupportOptions& options,
+                                         std::vector<std::uint16_t>& support) {
   const std::size_t n = c.size();
   const float relative2 = options.relative_slack * options.relative_slack;
   const float slack2 = options.slack * options.slack;
@@ -36,26 +34,11 @@ __attribute__((always_inline)) inline void count_support(const Correspondences& 
   }
 }
 
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) void count_support_avx2(const Correspondences& c,
-                                                        const SimilaritySupportOptions& options,
-                                                        std::vector<std::uint16_t>& support) {
-  count_support(c, options, support);
-}
-#endif
-
 }  // namespace
 
 std::vector<std::uint16_t> similarity_support(const Correspondences& c, const SimilaritySupportOptions& options) {
   std::vector<std::uint16_t> support(c.size(), 0);
-#if defined(__x86_64__)
-  static const bool avx2 = has_avx2();
-  if (avx2) {
-    count_support_avx2(c, options, support);
-    return support;
-  }
-#endif
-  count_support(c, options, support);
+  wide_loops([&]() MAPWELD_INLINE { count_support(c, options, support); });
   return support;
 }
 

@@ -9,7 +9,7 @@
 namespace mapweld {
 
 struct SpatialConsistencyOptions {
-  int neighbours = 10;  // the search area of a match: its nearest matches in either image
+  int neighbours = 10;  // the search area of a match: so many nearest matches in either image; at most 10
   int min_support = 3;  // matches that are neighbours in both images
 };
 

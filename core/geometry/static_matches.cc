@@ -4,7 +4,9 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
+#include <vector>
 
 #include "core/geometry/nearest_signatures.h"
 #include "core/geometry/signature_matches.h"
@@ -33,6 +35,8 @@ class Whole {
   Whole& operator=(const Whole&) = delete;
 
   const AppearanceVector& image() const { return *all_; }
+  // Whether nothing of it was set apart.
+  bool is_as_it_came() const { return counts_.empty(); }
   // Whether a feature is among the image's appearances; they keep their order.
   bool counts(std::size_t i) const { return counts_.empty() || counts_[i] != 0; }
 
@@ -90,13 +94,14 @@ class SamePlace {
 
 // Whether at least `few` features of equal words are at the same place: what is static has nearly always some of one
 // word, and most pairs end here.
-bool has_some(const AppearanceVector& a, const AppearanceVector& b, const SamePlace& same_place, int few) {
+bool has_some(const AppearanceVector& a, const AppearanceVector& b, std::span<const CommonWord> common,
+              const SamePlace& same_place, int few) {
   int found = 0;
-  auto first_b = b.appearances.begin();
-  for (const Appearance& p : a.appearances) {
-    while (first_b != b.appearances.end() && first_b->word < p.word) ++first_b;
-    for (auto q = first_b; q != b.appearances.end() && q->word == p.word; ++q) {
-      if (same_place(p, *q) && ++found >= few) return true;
+  for (const CommonWord& word : common) {
+    for (std::uint32_t i = word.a_begin; i < word.a_end; ++i) {
+      for (std::uint32_t j = word.b_begin; j < word.b_end; ++j) {
+        if (same_place(a.appearances[i], b.appearances[j]) && ++found >= few) return true;
+      }
     }
   }
   return false;
@@ -265,16 +270,26 @@ std::vector<std::uint8_t> at_same_place(const AppearanceVector& image, const App
   return found;
 }
 
-std::optional<WithoutStatic> without_static(const AppearanceVector& image_a, const AppearanceVector& image_b,
+std::optional<WithoutStatic> without_static(const AppearanceVector& a, const AppearanceVector& b,
                                             const StaticMatchOptions& options) {
+  return without_static(a, b, common_words(words_of(a), words_of(b)), options);
+}
+
+std::optional<WithoutStatic> without_static(const AppearanceVector& image_a, const AppearanceVector& image_b,
+                                            std::span<const CommonWord> common, const StaticMatchOptions& options) {
   constexpr int kOfOneWord = 3;
   const Whole whole_a(image_a);
   const Whole whole_b(image_b);
+  std::vector<CommonWord> of_wholes;
+  if (!whole_a.is_as_it_came() || !whole_b.is_as_it_came()) {
+    of_wholes = common_words(words_of(whole_a.image()), words_of(whole_b.image()));
+    common = of_wholes;
+  }
   const AppearanceVector& a = whole_a.image();
   const AppearanceVector& b = whole_b.image();
   if (!have_frames(a, b)) return std::nullopt;
   const SamePlace same_place(a, b, options);
-  if (!has_some(a, b, same_place, std::min(kOfOneWord, options.few))) return std::nullopt;
+  if (!has_some(a, b, common, same_place, std::min(kOfOneWord, options.few))) return std::nullopt;
   Marks marks = mark(a, b, same_place, options);
   if (marks.count(kStatic) < options.few || is_same_view(a, b, marks, options)) return std::nullopt;
   mark_surroundings(a, b, same_place, options, marks);

@@ -8,8 +8,10 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "core/geometry/word_matches.h"
 #include "core/types.h"
 
 namespace mapweld {
@@ -54,6 +56,9 @@ struct WithoutStatic {
 // places and views are compared.
 std::optional<WithoutStatic> without_static(const AppearanceVector& a, const AppearanceVector& b,
                                             const StaticMatchOptions& options);
+// The same; `common`: the words that the appearances of both have.
+std::optional<WithoutStatic> without_static(const AppearanceVector& a, const AppearanceVector& b,
+                                            std::span<const CommonWord> common, const StaticMatchOptions& options);
 
 // For each appearance of `image`, whether `other` has one like it at the same place, known to be static or not: 1 or 0.
 std::vector<std::uint8_t> at_same_place(const AppearanceVector& image, const AppearanceVector& other,

@@ -1,8 +1,10 @@
 // How much of two images is the same view, as far as their matches tell.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "core/types.h"
 
@@ -28,5 +30,16 @@ struct ViewOverlap {
 // damaged store). O(matches + features).
 ViewOverlap view_overlap(const AppearanceVector& a, const AppearanceVector& b,
                          std::span<const std::pair<std::uint16_t, std::uint16_t>> inlier_matches);
+
+// Where the features of an image are, by coordinate.
+struct FeaturePlaces {
+  explicit FeaturePlaces(const AppearanceVector& image);
+  int width_px, height_px;
+  std::vector<float> x_px, y_px;
+};
+
+// ViewOverlap::matched_share alone.
+double matched_share(const FeaturePlaces& a, const FeaturePlaces& b,
+                     std::span<const std::pair<std::uint16_t, std::uint16_t>> matches);
 
 }  // namespace mapweld

@@ -1,44 +1,45 @@
 #include "core/geometry/word_matches.h"
 
-#include <cstddef>
+#include <algorithm>
 
 namespace mapweld {
-namespace {
 
-// The appearances of one common word: [a_begin, a_end) of the first image, [b_begin, b_end) of the second.
-struct CommonWord {
-  std::uint32_t a_begin, a_end, b_begin, b_end;
-  std::size_t pairings() const { return std::size_t{a_end - a_begin} * (b_end - b_begin); }
-};
+ImageWords words_of(const AppearanceVector& image) {
+  ImageWords of;
+  const std::vector<Appearance>& all = image.appearances;
+  of.words.reserve(all.size());
+  of.starts.reserve(all.size() + 1);
+  for (std::uint32_t i = 0; i < all.size(); ++i) {
+    if (i > 0 && all[i].word == all[i - 1].word) continue;
+    of.words.push_back(all[i].word);
+    of.starts.push_back(i);
+  }
+  of.starts.push_back(static_cast<std::uint32_t>(all.size()));
+  return of;
+}
 
-std::vector<CommonWord> common_words(const std::vector<Appearance>& a, const std::vector<Appearance>& b) {
+std::vector<CommonWord> common_words(const ImageWords& a, const ImageWords& b) {
+  // Which of two words is the lesser nobody can foresee: no branch depends on it.
+  const std::size_t most = std::min(a.words.size(), b.words.size());
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> both(most + 1);
+  std::size_t found = 0;
+  for (std::uint32_t i = 0, j = 0; i < a.words.size() && j < b.words.size();) {
+    const WordId of_a = a.words[i], of_b = b.words[j];
+    both[found] = {i, j};
+    found += of_a == of_b ? 1 : 0;
+    i += of_a <= of_b ? 1 : 0;
+    j += of_b <= of_a ? 1 : 0;
+  }
   std::vector<CommonWord> common;
-  const auto end_of_word = [](const std::vector<Appearance>& all, std::uint32_t i) {
-    const WordId word = all[i].word;
-    while (i < all.size() && all[i].word == word) ++i;
-    return i;
-  };
-  std::uint32_t i = 0;
-  std::uint32_t j = 0;
-  while (i < a.size() && j < b.size()) {
-    if (a[i].word < b[j].word) {
-      ++i;
-    } else if (b[j].word < a[i].word) {
-      ++j;
-    } else {
-      common.push_back({i, end_of_word(a, i), j, end_of_word(b, j)});
-      i = common.back().a_end;
-      j = common.back().b_end;
-    }
+  common.reserve(found);
+  for (std::size_t k = 0; k < found; ++k) {
+    const auto [i, j] = both[k];
+    common.push_back({a.starts[i], a.starts[i + 1], b.starts[j], b.starts[j + 1]});
   }
   return common;
 }
 
-}  // namespace
-
-std::vector<FeatureMatch> word_matches(const AppearanceVector& a, const AppearanceVector& b, int max_pairings,
-                                       int max_matches) {
-  const std::vector<CommonWord> common = common_words(a.appearances, b.appearances);
+std::vector<FeatureMatch> word_matches(std::span<const CommonWord> common, int max_pairings, int max_matches) {
   // How many matches the words with 1, 2, ... pairings give; then the most pairings that still fit.
   std::vector<std::size_t> by_pairings(static_cast<std::size_t>(max_pairings) + 1, 0);
   for (const CommonWord& w : common) {
@@ -62,6 +63,11 @@ std::vector<FeatureMatch> word_matches(const AppearanceVector& a, const Appearan
     }
   }
   return matches;
+}
+
+std::vector<FeatureMatch> word_matches(const AppearanceVector& a, const AppearanceVector& b, int max_pairings,
+                                       int max_matches) {
+  return word_matches(common_words(words_of(a), words_of(b)), max_pairings, max_matches);
 }
 
 }  // namespace mapweld

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <unordered_map>
 #include <vector>
 
@@ -13,13 +14,17 @@
 namespace mapweld {
 
 // A verdict is a pure function of its pair. So this is a cache and no part of a merge's state: a wrong guess at what
-// comes next costs time and changes nothing. Used by one thread.
+// comes next costs time and changes nothing. So is what the verifier has prepared of the images that it was asked
+// about. Used by one thread.
 class VerificationAhead {
  public:
   // Pairs of one batch; fixed, so that a step stays short.
   static constexpr std::size_t kBatch = 32;
   // Verdicts that are kept for a turn that has not come; past that, all are forgotten.
   static constexpr std::size_t kMostKept = std::size_t{1} << 16;
+
+  // Images that are kept prepared; past that, all are forgotten.
+  static constexpr std::size_t kMostPrepared = 4096;
 
   // `input` must outlive this.
   explicit VerificationAhead(const MergeInput& input) : input_(input) {}
@@ -33,12 +38,14 @@ class VerificationAhead {
   Verification take(VertexId u, VertexId v, const Upcoming& upcoming);
 
  private:
-  Verification verify(VertexId u, VertexId v) const;
+  Verification verify(VertexId u, VertexId v);
+  std::shared_ptr<const PreparedImage> prepared(VertexId vertex);
   void verify_batch(VertexId u, VertexId v, const Upcoming& upcoming);
 
   const MergeInput& input_;
   std::unordered_map<std::uint64_t, Verification> verdicts_;  // by both ends
-  std::vector<Candidate> candidates_;                         // scratch
+  std::unordered_map<VertexId, std::shared_ptr<const PreparedImage>> prepared_;
+  std::vector<Candidate> candidates_;  // scratch
 };
 
 // Both ends of a pair as one number; the same for (u, v) and (v, u).

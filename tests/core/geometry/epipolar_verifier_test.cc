@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -10,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "core/retrieval/voting.h"
+#include "tests/core/geometry/signed_scene.h"
 #include "tests/core/geometry/two_view_scene.h"
 
 namespace mapweld {
@@ -106,6 +108,40 @@ TEST(EpipolarVerifier, IsSymmetric) {
     const auto [p, q] = test::make_chance_pair({.seed = seed, .matches = 150});
     expect_mirror(verifier.verify(p, q), verifier.verify(q, p));
   }
+}
+
+// Prepared images of all scenes, each in many pairs, asked for by several threads at once.
+TEST(EpipolarVerifier, PreparedImagesAreGivenTheSameVerdicts) {
+  const EpipolarVerifier verifier;
+  std::vector<AppearanceVector> images;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const test::SignedScene scene =
+        test::signed_scene({.seed = seed, .points = 60, .outliers = 40, .repeats = 10}, 30, 10);
+    images.push_back(scene.a);
+    images.push_back(scene.b);
+    images.push_back(seed % 2 == 0 ? test::unsigned_image(scene.b) : scene.b);
+    if (seed % 3 == 0) std::swap(images.back().static_appearances, images.back().appearances);
+  }
+  images.push_back({320, 240, {}});
+  std::vector<std::shared_ptr<const PreparedImage>> prepared;
+  for (const AppearanceVector& image : images) {
+    prepared.push_back(verifier.prepare(std::make_shared<AppearanceVector>(image)));
+  }
+  std::vector<int> different(4, 0), accepted(4, 0);
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < different.size(); ++t) {
+    threads.emplace_back([&, t] {
+      for (std::size_t k = 0; k < images.size() * images.size(); ++k) {
+        const std::size_t i = (k + t) % images.size(), j = k / images.size();
+        const Verification v = verifier.verify_prepared(*prepared[i], *prepared[j]);
+        different[t] += v != verifier.verify(images[i], images[j]) ? 1 : 0;
+        accepted[t] += v.accepted ? 1 : 0;
+      }
+    });
+  }
+  for (std::thread& t : threads) t.join();
+  EXPECT_EQ(different, std::vector<int>(4, 0));
+  EXPECT_GT(accepted[0], 20);
 }
 
 TEST(EpipolarVerifier, VerdictsDoNotDependOnThreadsOrOnWhatWentBefore) {

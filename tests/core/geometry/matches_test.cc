@@ -1,6 +1,9 @@
 // Word matches, the support they give each other, and the choice of one match a location.
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -121,6 +124,51 @@ TEST(SpatialConsistency, KeepsMatchesWhoseNeighboursAgree) {
   const auto kept = spatially_consistent(c, all, {.neighbours = 8, .min_support = 3});
   EXPECT_EQ(kept, std::vector<std::uint32_t>(all.begin(), all.begin() + 50));
   EXPECT_THAT(spatially_consistent(c, {}, {}), IsEmpty());
+}
+
+// The nearest of match `i` in one image, by sorting: ties go to the lower index.
+std::vector<std::size_t> nearest_by_sorting(const std::vector<float>& x, const std::vector<float>& y, std::size_t i,
+                                            std::size_t count) {
+  std::vector<std::pair<float, std::size_t>> others;
+  for (std::size_t j = 0; j < x.size(); ++j) {
+    const float dx = x[j] - x[i], dy = y[j] - y[i];
+    if (j != i) others.emplace_back(dx * dx + dy * dy, j);
+  }
+  std::ranges::sort(others);
+  std::vector<std::size_t> nearest;
+  for (std::size_t k = 0; k < count; ++k) nearest.push_back(others[k].second);
+  std::ranges::sort(nearest);
+  return nearest;
+}
+
+TEST(SpatialConsistency, CountsNeighboursInBothImagesHoweverManyAreEquallyFar) {
+  std::mt19937 random(5);
+  std::size_t kept_in_all = 0;
+  for (const std::size_t n : {2u, 3u, 7u, 8u, 9u, 16u, 19u, 20u, 21u, 50u}) {
+    for (const std::uint32_t grid : {4u, 1000u}) {  // on the coarse one most distances are equal
+      Correspondences c;
+      std::vector<std::uint32_t> all;
+      for (std::uint32_t i = 0; i < n; ++i) {
+        all.push_back(i);
+        c.xa.push_back(static_cast<float>(random() % grid) / static_cast<float>(grid));
+        c.ya.push_back(static_cast<float>(random() % grid) / static_cast<float>(grid));
+        const bool stays = random() % 4 != 0;
+        c.xb.push_back(stays ? c.xa.back() + 0.25f : static_cast<float>(random() % grid) / static_cast<float>(grid));
+        c.yb.push_back(stays ? c.ya.back() : static_cast<float>(random() % grid) / static_cast<float>(grid));
+      }
+      std::vector<std::uint32_t> expected;
+      const std::size_t count = std::min<std::size_t>(10, n / 2);
+      for (std::uint32_t i = 0; i < n; ++i) {
+        std::vector<std::size_t> both;
+        std::ranges::set_intersection(nearest_by_sorting(c.xa, c.ya, i, count),
+                                      nearest_by_sorting(c.xb, c.yb, i, count), std::back_inserter(both));
+        if (both.size() >= 3) expected.push_back(i);
+      }
+      EXPECT_EQ(spatially_consistent(c, all, {}), expected) << n << " on " << grid;
+      kept_in_all += expected.size();
+    }
+  }
+  EXPECT_GT(kept_in_all, 50u);
 }
 
 }  // namespace
