@@ -162,6 +162,7 @@ std::string command_of(const EvaluateArguments& arguments) {
   command +=
       " --runs " + std::to_string(arguments.evaluation.runs) + " --seed " + std::to_string(arguments.evaluation.seed);
   if (arguments.evaluation.memo) command += " --memo";
+  if (arguments.evaluation.confirmed) command += " --confirmed";
   if (!arguments.truth.empty()) command += " --truth " + arguments.truth.filename().string();
   return command + " --out DIR";
 }
@@ -188,6 +189,10 @@ void run_evaluate(EvaluateArguments arguments) {
 
   MergeInput& input = loaded->input;
   input.options = arguments.merge;
+  if (arguments.evaluation.confirmed) {
+    input.inner_edges =
+        confirmed_inner_edges(input, arguments.evaluation.inner_edges, arguments.evaluation.min_confidence);
+  }
   input.verifier = make_verifier(arguments.verifier);
   const std::string version = input.verifier->version();
   if (arguments.evaluation.memo) input.verifier = std::make_shared<MemoVerifier>(input.verifier);
@@ -253,6 +258,11 @@ void add_evaluate_command(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--memo", arguments->evaluation.memo,
                     "Verify each pair once for all methods; costs are then counted in verifications only");
+  command->add_flag("--confirmed", arguments->evaluation.confirmed,
+                    "Count only the edges that the alias guard confirms in the end, as a guarded merge does");
+  command->add_option("--min-confidence", arguments->evaluation.min_confidence, "Confidence of a confirmed edge")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   command->add_option("--verifier-ms", arguments->verifier_ms, "Also the time with a verifier that takes so long")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();

@@ -147,8 +147,8 @@ std::string draw_series(const ChartSeries& series, const Scale& x, const Axis& y
     path += (path.empty() ? "M" : "L") + px(x_px) + " " + px(y_px);
   }
   if (path.empty()) return "";
-  content = "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + series.style.colour +
-            "\" stroke-width=\"2\" stroke-linejoin=\"round\"";
+  content = "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + series.style.colour + "\" stroke-width=\"" +
+            px(series.style.width_px) + "\" stroke-linejoin=\"round\"";
   if (!series.style.dashes.empty()) content += " stroke-dasharray=\"" + series.style.dashes + "\"";
   content += "/>\n";
   if (series.marks_end) {
@@ -216,7 +216,8 @@ std::string draw_head(const std::string& title, const std::string& subtitle, con
       y_px += 20;
     }
     content += of_bars ? line(x + 8, y_px + 8, x + 28, y_px + 8, entry.style.colour, 13)
-                       : line(x, y_px + 8, x + 28, y_px + 8, entry.style.colour, 3, entry.style.dashes);
+                       : line(x, y_px + 8, x + 28, y_px + 8, entry.style.colour, 1.5 * entry.style.width_px,
+                              entry.style.dashes);
     content += text_at(x + 36, y_px + 12.5, entry.name, {.size_px = 13});
     x += needed;
   }

@@ -11,6 +11,7 @@ namespace mapweld::server::evaluation {
 struct ChartStyle {
   std::string colour = "#000000";
   std::string dashes = {};  // SVG stroke-dasharray; empty: solid
+  double width_px = 2;      // of a line
 };
 
 struct ChartPoint {

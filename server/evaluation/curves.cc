@@ -34,11 +34,16 @@ FinalComponent::FinalComponent(const MergeInput& input, std::span<const Recorded
   final_connectivity_ = algebraic_connectivity(induced_subgraph(whole, vertices_)).value;
 }
 
+std::optional<std::pair<VertexId, VertexId>> FinalComponent::places_of(const RecordedEdge& edge) const {
+  const std::uint32_t u = place_[to_index(edge.u)], v = place_[to_index(edge.v)];
+  if (u == kOutside || v == kOutside) return std::nullopt;
+  return std::pair(VertexId{u}, VertexId{v});
+}
+
 AppearanceGraph FinalComponent::graph_with(std::span<const RecordedEdge> edges) const {
   AppearanceGraph graph = inner_;
   for (const RecordedEdge& e : edges) {
-    const std::uint32_t u = place_[to_index(e.u)], v = place_[to_index(e.v)];
-    if (u != kOutside && v != kOutside) graph.add_edge(VertexId{u}, VertexId{v}, e.inliers);
+    if (const auto places = places_of(e)) graph.add_edge(places->first, places->second, e.inliers);
   }
   return graph;
 }
@@ -54,9 +59,9 @@ std::optional<std::uint64_t> FinalComponent::edges_to_connect(std::span<const Re
   const auto is_one = [&sets, this] { return sets.size_of(0) == vertices_.size(); };
   if (is_one()) return 0;
   for (std::size_t i = 0; i < edges.size(); ++i) {
-    const std::uint32_t u = place_[to_index(edges[i].u)], v = place_[to_index(edges[i].v)];
-    if (u == kOutside || v == kOutside) continue;
-    sets.join(u, v);
+    const auto places = places_of(edges[i]);
+    if (!places) continue;
+    sets.join(to_index(places->first), to_index(places->second));
     if (is_one()) return i + 1;
   }
   return std::nullopt;

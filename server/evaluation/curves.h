@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/graph/appearance_graph.h"
@@ -24,12 +25,15 @@ class FinalComponent {
   std::uint32_t vertices() const { return static_cast<std::uint32_t>(vertices_.size()); }
   std::uint32_t components() const { return components_; }  // of the finished graph
   double final_connectivity() const { return final_connectivity_; }
+  const AppearanceGraph& inner() const { return inner_; }  // induced on the component, inner edges only
   std::uint32_t merged_vertices() const { return static_cast<std::uint32_t>(place_.size()); }
 
   // lambda_2 of the graph induced on the component, with the inner edges and `edges`.
   double connectivity(std::span<const RecordedEdge> edges) const;
   // The least number of edges, from the first on, with which the component is in one piece; nullopt: all do not do it.
   std::optional<std::uint64_t> edges_to_connect(std::span<const RecordedEdge> edges) const;
+  // The ends of an edge as vertices of inner(); none for an edge outside of the component.
+  std::optional<std::pair<VertexId, VertexId>> places_of(const RecordedEdge& edge) const;
 
  private:
   AppearanceGraph graph_with(std::span<const RecordedEdge> edges) const;
@@ -37,7 +41,7 @@ class FinalComponent {
   static constexpr std::uint32_t kOutside = 0xFFFFFFFF;
   std::vector<std::uint32_t> place_;  // of a merged vertex in the component
   std::vector<VertexId> vertices_;    // ascending
-  AppearanceGraph inner_;             // induced on the component, inner edges only
+  AppearanceGraph inner_;
   std::uint32_t components_ = 0;
   double final_connectivity_ = 0;
 };

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <map>
 #include <mutex>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -100,7 +101,8 @@ QualityAtShare quality_at(const MethodResult& method, std::vector<RunCurve>& cur
 
 // Judges the edges of the finished merge, which `verified` has with their verifications.
 void judge_edges(const MergeInput& input, const std::vector<MergeEdge>& verified, Evaluation& evaluation) {
-  const auto verdicts = guard_edges(input.members, evaluation.options.inner_edges, verified, *input.appearances);
+  const auto verdicts = guard_edges(input.members, evaluation.options.inner_edges, verified, *input.appearances,
+                                    {.min_confidence = evaluation.options.min_confidence, .model = {}});
   std::map<std::pair<VertexId, VertexId>, const GuardVerdict*> by_ends;
   for (std::size_t e = 0; e < verified.size(); ++e) by_ends[{verified[e].u, verified[e].v}] = &verdicts[e];
   evaluation.confirmed_edges = 0;
@@ -109,6 +111,17 @@ void judge_edges(const MergeInput& input, const std::vector<MergeEdge>& verified
     edge.confidence = verdict.confidence;
     edge.confirmed = verdict.confirmed();
     *evaluation.confirmed_edges += edge.confirmed ? 1 : 0;
+  }
+}
+
+// Leaves the runs the edges that count.
+void keep_counted(const std::vector<RecordedEdge>& counted, std::vector<MethodResult>& methods) {
+  std::set<std::pair<VertexId, VertexId>> ends;
+  for (const RecordedEdge& edge : counted) ends.emplace(edge.u, edge.v);
+  for (MethodResult& method : methods) {
+    for (RecordedRun& run : method.runs) {
+      std::erase_if(run.edges, [&](const RecordedEdge& edge) { return !ends.contains({edge.u, edge.v}); });
+    }
   }
 }
 
@@ -178,7 +191,7 @@ void summarise(Evaluation& evaluation, const FinalComponent& component, const Ev
     method.time_s = total(CostAxis::kTime);
     method.modelled_time_s = total(CostAxis::kModelledTime);
     for (const RecordedRun& run : method.runs) {
-      method.is_complete = method.is_complete && run.edges.size() == evaluation.all_edges.size();
+      method.is_complete = method.is_complete && run.edges.size() == evaluation.finished.edges;
     }
   }
 }
@@ -190,7 +203,27 @@ const MethodResult* Evaluation::find(std::string_view method) const {
   return found == methods.end() ? nullptr : &*found;
 }
 
+std::vector<RecordedEdge> Evaluation::counted_edges() const {
+  std::vector<RecordedEdge> counted = all_edges;
+  if (options.confirmed) std::erase_if(counted, [](const RecordedEdge& edge) { return !edge.confirmed; });
+  return counted;
+}
+
+std::vector<Edge> confirmed_inner_edges(const MergeInput& input, std::span<const VerifiedEdge> inner_edges,
+                                        double min_confidence) {
+  const AliasGuard guard(input.members, inner_edges, *input.appearances,
+                         {.min_confidence = min_confidence, .model = {}});
+  std::vector<Edge> confirmed;
+  for (std::size_t e = 0; e < inner_edges.size(); ++e) {
+    if (!guard.inner_verdicts()[e].confirmed()) continue;
+    const VerifiedEdge& edge = inner_edges[e];
+    confirmed.push_back({edge.u, edge.v, static_cast<std::uint32_t>(edge.inlier_matches.size())});
+  }
+  return confirmed;
+}
+
 Evaluation evaluate(MergeInput input, const EvaluationOptions& options, const EvaluationObserver& observer) {
+  if (options.confirmed && !options.guard) throw std::invalid_argument("edges are confirmed by the guard only");
   Evaluation evaluation;
   evaluation.options = options;
   evaluation.options.methods = methods_to_run(options);
@@ -210,13 +243,20 @@ Evaluation evaluate(MergeInput input, const EvaluationOptions& options, const Ev
 
   evaluation.all_edges = union_of_edges(evaluation.methods);
   if (options.guard) judge_edges(input, finished_state.edges, evaluation);
-  const FinalComponent component(input, evaluation.all_edges);
+  const std::vector<RecordedEdge> counted = evaluation.counted_edges();
+  if (options.confirmed) keep_counted(counted, evaluation.methods);
+  const FinalComponent component(input, counted);
   evaluation.components = component.components();
   evaluation.final_vertices = component.vertices();
   evaluation.final_connectivity = component.final_connectivity();
   RecordedRun finished;
-  finished.edges = evaluation.all_edges;
+  finished.edges = counted;
   evaluation.finished = RunCurve(component, finished).at(finished.edges.size());
+  evaluation.limit = limit_of(
+      component, counted, {.levels = options.levels, .curve_points = options.curve_points, .threads = options.threads},
+      [&](std::uint64_t done, std::uint64_t total) {
+        if (observer) observer({"limit", done, total});
+      });
   summarise(evaluation, component, observer);
   return evaluation;
 }

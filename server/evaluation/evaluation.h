@@ -4,13 +4,16 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "core/guard/verdict.h"
 #include "core/guard/verified_edge.h"
 #include "core/merge/merge_input.h"
 #include "server/evaluation/curves.h"
+#include "server/evaluation/limit.h"
 #include "server/evaluation/recorded_run.h"
 #include "server/evaluation/summary.h"
 
@@ -29,8 +32,10 @@ struct EvaluationOptions {
   double share_of_baseline = 0.1;                // where qualities are compared (figure 5)
   std::uint32_t curve_points = 24;               // wanted for each run, see RunCurve::points
   bool guard = false;                            // judge the finished merge's edges as the alias guard does,
-  std::vector<VerifiedEdge> inner_edges;         // by these of the members, in merged numbers
-  int threads = 1;                               // for eigenvalues; merging itself has one, so that it can be timed
+  std::vector<VerifiedEdge> inner_edges;         // by these of the members, in merged numbers;
+  bool confirmed = false;                        // and count only the edges that it confirms in the end
+  double min_confidence = GuardOptions{}.min_confidence;  // of a confirmed edge
+  int threads = 1;  // for eigenvalues; merging itself has one, so that it can be timed
 };
 
 // What it took to reach one level, over the runs that did.
@@ -56,15 +61,15 @@ struct QualityAtShare {
 
 struct MethodResult {
   std::string method;
-  std::vector<RecordedRun> runs;
+  std::vector<RecordedRun> runs;                // their edges: those that count
   std::vector<std::vector<CurvePoint>> curves;  // by run, ascending by edges
   std::vector<LevelCost> levels;                // as the options' levels
   std::vector<QualityAtShare> at_share;         // time, verifications, modelled time
   Summary verifications;                        // of the whole merge
   Summary time_s;
   Summary modelled_time_s;
-  // Every run ended with the edges that all methods found together. Not so where a method leaves candidates out, as
-  // `alignment` does.
+  // Every run ended with the edges that all methods found together, of those that count. Not so where a method leaves
+  // candidates out, as `alignment` does.
   bool is_complete = true;
 };
 
@@ -77,13 +82,21 @@ struct Evaluation {
   std::uint32_t components = 0;                  // of the finished merge
   std::uint32_t final_vertices = 0;              // of its largest component
   double final_connectivity = 0;                 // lambda_2 on it
-  CurvePoint finished;                           // edges, joined vertices and independent joins of the finished merge
-  std::vector<RecordedEdge> all_edges;           // of it, verified ones, by (u, v); their cost is meaningless
+  Limit limit;                                   // what there is to be had of it
+  CurvePoint finished;                           // edges that count, joined vertices and independent joins in the end
+  std::vector<RecordedEdge> all_edges;           // verified ones, by (u, v); their cost is meaningless
   std::optional<std::uint64_t> confirmed_edges;  // of them; none: they were not judged
   std::vector<MethodResult> methods;             // as asked for
 
   const MethodResult* find(std::string_view method) const;
+  // Those of all_edges that quality is measured by: all, or with the option `confirmed` the confirmed ones.
+  std::vector<RecordedEdge> counted_edges() const;
 };
+
+// The edges within the members that the alias guard confirms: a guarded merge rests on them alone, and so does an
+// evaluation with the option `confirmed`, as its input's inner_edges.
+std::vector<Edge> confirmed_inner_edges(const MergeInput& input, std::span<const VerifiedEdge> inner_edges,
+                                        double min_confidence = GuardOptions{}.min_confidence);
 
 // Told what is being done: stage, which run of how many, and how far it is.
 struct EvaluationProgress {
@@ -95,7 +108,8 @@ using EvaluationObserver = std::function<void(const EvaluationProgress&)>;
 
 // Merges `input` by every method, one run after the other on the calling thread, and computes the curves. The input's
 // own method and seed are not used. With `memo`, `input.verifier` should be a MemoVerifier. `observer` may be called
-// from other threads, one at a time. Throws std::invalid_argument for a method that there is not.
+// from other threads, one at a time. Throws std::invalid_argument for a method that there is not, and for `confirmed`
+// without `guard`.
 Evaluation evaluate(MergeInput input, const EvaluationOptions& options, const EvaluationObserver& observer = {});
 
 }  // namespace mapweld::server::evaluation

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <iterator>
+#include <optional>
 #include <utility>
 
 #include "client/drawing/svg.h"
+#include "server/evaluation/limit_series.h"
 #include "server/evaluation/method_series.h"
 
 namespace mapweld::server::evaluation {
@@ -116,6 +119,18 @@ std::string figure_6_csv(const Evaluation& evaluation) {
       add(method.curves[i].back(), run.cost);
     }
   }
+  const auto add_limit = [&](const char* name, std::uint64_t edges, double connectivity) {
+    csv += std::string(name) + ",0,," + number(edges) + "," + number(edges) + ",,," + number(connectivity) + "," +
+           number(share_of(connectivity, evaluation.final_connectivity)) + ",";
+  };
+  for (const CurvePoint& point : evaluation.limit.clairvoyant) {
+    add_limit("clairvoyant", point.edges, point.connectivity);
+    csv += number(std::uint64_t{point.joined_vertices}) + "," + number(std::uint64_t{point.independent_joins}) + "\n";
+  }
+  for (const BoundPoint& point : evaluation.limit.bound) {
+    add_limit("bound", point.edges, point.connectivity);
+    csv += ",\n";
+  }
   return csv;
 }
 
@@ -142,7 +157,9 @@ std::string figure_6_svg(const Evaluation& evaluation, const std::string& pair, 
   chart.columns = 2;
   chart.panel_width_px = 450;
   chart.panel_height_px = 270;
-  const double least = least_on_axis(evaluation, axis);
+  const bool has_limit = axis == CostAxis::kVerifications;
+  const double least = has_limit ? 1 : least_on_axis(evaluation, axis);
+  if (has_limit) std::ranges::move(legend_of_limit(), std::back_inserter(chart.legend));
   for (const Metric& metric : metrics) {
     for (const bool is_log : {false, true}) {
       ChartPanel panel;
@@ -152,6 +169,13 @@ std::string figure_6_svg(const Evaluation& evaluation, const std::string& pair, 
       panel.x_least = least;
       panel.x_most = most_on_axis(evaluation, axis);
       panel.guides = {0.9};
+      if (has_limit && &metric == &metrics.front() && evaluation.final_connectivity > 0) {
+        panel.series.push_back(bound_series(evaluation.limit, evaluation.final_connectivity));
+      }
+      if (has_limit) {
+        panel.series.push_back(clairvoyant_series(
+            evaluation.limit, [&](const CurvePoint& point) { return share_of(metric.value(point), metric.whole); }));
+      }
       for (const MethodResult& method : evaluation.methods) {
         std::vector<std::uint64_t> edges;
         for (const CurvePoint& point : method.curves.front()) edges.push_back(point.edges);
@@ -172,9 +196,16 @@ std::string levels_csv(const Evaluation& evaluation) {
   std::string csv =
       "method,level,runs,reached,verifications_mean,verifications_sd,time_s_mean,time_s_sd,modelled_time_s_mean,"
       "modelled_time_s_sd,edges_mean,edges_sd,joined_vertices_mean,joined_vertices_sd,independent_joins_mean,"
-      "independent_joins_sd\n";
+      "independent_joins_sd,clairvoyant_edges,to_clairvoyant,least_edges\n";
+  // The columns about the limit, beside this many verifications.
+  const auto add_limit = [&](const LevelLimit& limit, std::optional<double> verifications) {
+    const std::optional<double> ratio = verifications ? to_clairvoyant(limit, *verifications) : std::nullopt;
+    csv += "," + (limit.clairvoyant ? number(limit.clairvoyant->edges) : "") + "," + (ratio ? number(*ratio) : "") +
+           "," + number(limit.least_edges) + "\n";
+  };
   for (const MethodResult& method : evaluation.methods) {
-    for (const LevelCost& cost : method.levels) {
+    for (std::size_t l = 0; l < method.levels.size(); ++l) {
+      const LevelCost& cost = method.levels[l];
       csv += method.method + "," + number(cost.level) + "," + number(std::uint64_t{method.runs.size()}) + "," +
              number(std::uint64_t{cost.reached});
       const auto add = [&](const Summary& summary, bool is_time) {
@@ -187,8 +218,17 @@ std::string levels_csv(const Evaluation& evaluation) {
       add(cost.edges, false);
       add(cost.joined_vertices, false);
       add(cost.independent_joins, false);
-      csv += "\n";
+      add_limit(evaluation.limit.levels[l], cost.reached > 0 ? std::optional(cost.verifications.mean) : std::nullopt);
     }
+  }
+  for (const LevelLimit& limit : evaluation.limit.levels) {
+    const auto& reached = limit.clairvoyant;
+    csv += "clairvoyant," + number(limit.level) + (reached ? ",1,1," : ",1,0,");
+    const auto count = [](std::uint64_t n) { return number(n) + ",0"; };
+    csv += reached ? count(reached->edges) + ",,,,," + count(reached->edges) + "," + count(reached->joined_vertices) +
+                         "," + count(reached->independent_joins)
+                   : ",,,,,,,,,,,";
+    add_limit(limit, reached ? std::optional(static_cast<double>(reached->edges)) : std::nullopt);
   }
   return csv;
 }

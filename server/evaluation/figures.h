@@ -16,7 +16,8 @@ struct OutputFile {
 };
 
 // figure-5: quality at a share of the baseline's cost. figure-6: the curves of all runs in one CSV; as SVG over
-// verifications, over time and over modelled time. levels: what it took to reach each. figure-7: weights of the edges
+// verifications, there with the clairvoyant and the bound, over time and over modelled time. levels: what it took to
+// reach each, and how many times what it takes the clairvoyant. figure-7: weights of the edges
 // in their order while QuickConnect explores (when it did not run, within the baseline's share of figure 5). `pair`
 // names the maps. With `memo` nothing is shown over time.
 std::vector<OutputFile> figures(const Evaluation& evaluation, const std::string& pair);

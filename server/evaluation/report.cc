@@ -78,9 +78,11 @@ std::string what_was_merged(const ReportHead& head, const Evaluation& evaluation
   text += row({"edges within the maps", grouped(static_cast<double>(evaluation.inner_edges))});
   text += row({"candidates (pairs with `min_votes` or more)", grouped(static_cast<double>(evaluation.candidates))});
   text += row({"verified edges between the maps, when all candidates are",
-               grouped(static_cast<double>(evaluation.finished.edges))});
+               grouped(static_cast<double>(evaluation.all_edges.size()))});
   if (evaluation.confirmed_edges) {
-    text += row({"of them confirmed by the alias guard", grouped(static_cast<double>(*evaluation.confirmed_edges))});
+    text += row({std::string("of them confirmed by the alias guard") +
+                     (options.confirmed ? ": **these count** (`--confirmed`)" : ""),
+                 grouped(static_cast<double>(*evaluation.confirmed_edges))});
   }
   text += row({"components of the finished merge", grouped(evaluation.components)});
   text += row({"**final component**: its largest one", grouped(evaluation.final_vertices) + " vertices"});
@@ -97,8 +99,12 @@ std::string what_was_merged(const ReportHead& head, const Evaluation& evaluation
   text +=
       "The final value is one and the same for all methods: lambda_2 of the finished merge on its largest "
       "component. Until that component is in one piece, lambda_2 on it is 0. The value after each edge is exact; "
-      "the number of edges to a level is found by bisection, as lambda_2 on a fixed vertex set only grows. Edges are "
-      "verified edges throughout: the order of verification is compared, whatever a guard confirms of them.\n\n";
+      "the number of edges to a level is found by bisection, as lambda_2 on a fixed vertex set only grows. ";
+  text += options.confirmed
+              ? "The edges that count are those that the alias guard confirms in the end, each from its verification "
+                "on, within the maps and between them; the finished merge is that of these.\n\n"
+              : "Edges are verified edges throughout: the order of verification is compared, whatever a guard confirms "
+                "of them.\n\n";
   if (options.memo) {
     text += "**Verdicts were shared between the methods (`--memo`): costs are counted in verifications only.**\n\n";
     return text;
@@ -144,6 +150,37 @@ std::string level_tables(const Evaluation& evaluation) {
     text += "\n";
   }
   return text;
+}
+
+std::string limit_table(const Evaluation& evaluation) {
+  std::string text = "## Against the clairvoyant\n\n";
+  text +=
+      "Verifications to each level, and in brackets how many times the clairvoyant's. The *clairvoyant* knows "
+      "beforehand "
+      "which candidates pass" +
+      std::string(evaluation.options.confirmed ? " and are confirmed in the end" : "") +
+      ", and verifies only the edges that it wants: first those that join, then always the one between the ends that "
+      "the Fiedler vector holds farthest apart. It is near the least that is possible, not a bound; *no order* with "
+      "fewer edges than the last row reaches the level (MAC's relaxation).\n\n";
+  std::vector<std::string> head{"method"}, clairvoyant{"**clairvoyant**"}, least{"no order below"};
+  for (const LevelLimit& limit : evaluation.limit.levels) {
+    head.push_back(percent(limit.level));
+    clairvoyant.push_back(limit.clairvoyant ? grouped(static_cast<double>(limit.clairvoyant->edges)) : "-");
+    least.push_back(grouped(static_cast<double>(limit.least_edges)));
+  }
+  text += row(head) + rule(head.size()) + row(clairvoyant);
+  for (const MethodResult& method : evaluation.methods) {
+    std::vector<std::string> cells{name_of(method)};
+    for (std::size_t l = 0; l < method.levels.size(); ++l) {
+      const LevelCost& cost = method.levels[l];
+      std::string entry = cost.reached == 0 ? "-" : grouped(cost.verifications.mean);
+      const auto ratio = to_clairvoyant(evaluation.limit.levels[l], cost.verifications.mean);
+      if (cost.reached > 0 && ratio) entry += " (" + fixed(*ratio, *ratio < 100 ? 1 : 0) + ")";
+      cells.push_back(entry);
+    }
+    text += row(cells);
+  }
+  return text + row(least) + "\n";
 }
 
 std::string share_table(const Evaluation& evaluation) {
@@ -297,8 +334,8 @@ std::string truth_section(const Evaluation& evaluation, const TruthResult& resul
 }  // namespace
 
 std::string markdown_report(const ReportHead& head, const Evaluation& evaluation, const TruthResult* truth) {
-  std::string text =
-      what_was_merged(head, evaluation) + share_table(evaluation) + level_tables(evaluation) + whole_table(evaluation);
+  std::string text = what_was_merged(head, evaluation) + share_table(evaluation) + limit_table(evaluation) +
+                     level_tables(evaluation) + whole_table(evaluation);
   if (truth != nullptr) text += truth_section(evaluation, *truth);
   return text;
 }

@@ -19,8 +19,8 @@ struct ReportHead {
 };
 
 // Tables of one row a method: the cost of each level of the final value in verifications, time, modelled time and
-// edges, with joined vertices and independent joins; quality at a share of the baseline's cost; whole merges. Means,
-// with one standard deviation where there are several runs. `truth` may be null.
+// edges, with joined vertices and independent joins, and beside the clairvoyant; quality at a share of the baseline's
+// cost; whole merges. Means, with one standard deviation where there are several runs. `truth` may be null.
 std::string markdown_report(const ReportHead& head, const Evaluation& evaluation, const TruthResult* truth);
 
 }  // namespace mapweld::server::evaluation

@@ -162,14 +162,15 @@ TruthResult judge(std::vector<CandidateVerdict> verdicts, Truth truth, const Mer
     ++result.joinable;
     result.joinable_joined += joined[v] ? 1 : 0;
   }
+  const std::vector<RecordedEdge> counted = evaluation.counted_edges();
   std::vector<RecordedEdge> right_edges;
-  for (const RecordedEdge& edge : evaluation.all_edges) {
+  for (const RecordedEdge& edge : counted) {
     const MapPair pair = pair_of(edge, evaluation.member_vertices.front());
     if (truth.is_right(pair.a, pair.b)) right_edges.push_back(edge);
   }
   if (evaluation.final_connectivity > 0) {
     result.right_connectivity =
-        FinalComponent(input, evaluation.all_edges).connectivity(right_edges) / evaluation.final_connectivity;
+        FinalComponent(input, counted).connectivity(right_edges) / evaluation.final_connectivity;
   }
   result.truth = std::move(truth);
   return result;

@@ -135,6 +135,17 @@ TEST_F(EvaluateCommand, SharesVerdictsOnRequestAndSaysSo) {
   EXPECT_FALSE(fs::exists(out() / "wrong-edges.svg"));
 }
 
+TEST_F(EvaluateCommand, CountsConfirmedEdgesOnRequest) {
+  const Outcome run = evaluate("--data " + data() + " --maps first second --methods quickconnect --confirmed --truth " +
+                               truth() + " --out " + out().string());
+  ASSERT_EQ(run.exit_code, 0) << run.errors;
+  const std::string report = text_of(out() / "report.md");
+  EXPECT_THAT(report, HasSubstr("confirmed by the alias guard: **these count** (`--confirmed`)"));
+  EXPECT_THAT(report, HasSubstr(" --confirmed"));
+  EXPECT_THAT(report, HasSubstr("| verified edges between the maps, when all candidates are | 8 |"));
+  EXPECT_THAT(text_of(out() / "edges.csv"), HasSubstr("f3.png,s3.png,")) << "the withheld ones are told as well";
+}
+
 TEST_F(EvaluateCommand, ChangesNothingInTheStore) {
   const auto merges = [&] {
     const ReadTransaction db = store_.read();

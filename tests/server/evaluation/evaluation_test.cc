@@ -110,6 +110,82 @@ TEST(Evaluation, ComparesAtAShareOfTheBaseline) {
   EXPECT_NEAR(quality->connectivity.mean, expected / evaluation.final_connectivity, 1e-12);
 }
 
+// Passes as HashVerifier does, with matches that the images have.
+class MatchingVerifier final : public PairVerifier {
+ public:
+  Verification verify(const AppearanceVector& a, const AppearanceVector& b) const override {
+    Verification verdict = verdicts_.verify(a, b);
+    verdict.inlier_matches.clear();
+    const std::size_t features = std::min(a.appearances.size(), b.appearances.size());
+    for (std::uint16_t i = 0; verdict.accepted && i < features; ++i) verdict.inlier_matches.emplace_back(i, i);
+    return verdict;
+  }
+  std::string version() const override { return verdicts_.version(); }
+  const VerifierOptions& options() const override { return verdicts_.options(); }
+
+ private:
+  test::HashVerifier verdicts_{0.5};
+};
+
+// The inner edges of a toy world, of features that both images have.
+std::vector<VerifiedEdge> matched_inner_edges(const MergeInput& input) {
+  std::vector<VerifiedEdge> edges;
+  for (const Edge& e : input.inner_edges) {
+    VerifiedEdge& edge = edges.emplace_back();
+    edge.u = e.u, edge.v = e.v;
+    const std::size_t features = std::min(input.appearances->appearances(e.u)->appearances.size(),
+                                          input.appearances->appearances(e.v)->appearances.size());
+    for (std::uint16_t i = 0; i < features; ++i) edge.inlier_matches.emplace_back(i, i);
+  }
+  return edges;
+}
+
+TEST(Evaluation, CountsOnlyConfirmedEdgesOnRequest) {
+  int withheld = 0, confirmed = 0;
+  for (std::uint32_t seed = 0; seed < 7; ++seed) {
+    MergeInput input = make_toy_merge(toy_world(seed));
+    input.verifier = std::make_shared<const MatchingVerifier>();
+    EvaluationOptions options;
+    options.methods = {"quickconnect"};
+    options.guard = true;
+    options.inner_edges = matched_inner_edges(input);
+    // The guard believes in nothing here: it is made to confirm the better half.
+    std::vector<double> confidences;
+    for (const RecordedEdge& edge : evaluate(input, options).all_edges) confidences.push_back(edge.confidence.value());
+    if (confidences.empty()) continue;
+    std::ranges::sort(confidences);
+    options.min_confidence = confidences[confidences.size() / 2];
+    const Evaluation all = evaluate(input, options);
+    options.confirmed = true;
+    const Evaluation counted = evaluate(input, options);
+    ASSERT_EQ(counted.all_edges.size(), all.all_edges.size()) << "what passes is told either way";
+    EXPECT_EQ(counted.counted_edges().size(), *all.confirmed_edges);
+    EXPECT_EQ(counted.finished.edges, *all.confirmed_edges);
+    const FinalComponent component(input, counted.counted_edges());
+    EXPECT_EQ(counted.final_connectivity, component.final_connectivity());
+    for (std::size_t m = 0; m < counted.methods.size(); ++m) {
+      const RecordedRun &some = counted.methods[m].runs[0], &whole = all.methods[m].runs[0];
+      EXPECT_EQ(some.edges.size(), *all.confirmed_edges);
+      EXPECT_TRUE(counted.methods[m].is_complete);
+      EXPECT_EQ(some.cost.verifications, whole.cost.verifications) << "the others are paid for all the same";
+      for (const RecordedEdge& edge : some.edges) {
+        const auto same = [&](const RecordedEdge& e) { return e.u == edge.u && e.v == edge.v; };
+        const auto judged = std::ranges::find_if(all.all_edges, same), paid = std::ranges::find_if(whole.edges, same);
+        ASSERT_TRUE(judged != all.all_edges.end() && paid != whole.edges.end());
+        EXPECT_TRUE(judged->confirmed);
+        EXPECT_EQ(edge.cost.verifications, paid->cost.verifications);
+      }
+    }
+    confirmed += static_cast<int>(*all.confirmed_edges);
+    withheld += static_cast<int>(all.all_edges.size() - *all.confirmed_edges);
+  }
+  EXPECT_GT(withheld, 0);
+  EXPECT_GT(confirmed, 0);
+  EvaluationOptions unjudged;
+  unjudged.confirmed = true;
+  EXPECT_THROW(evaluate(make_toy_merge(toy_world(1)), unjudged), std::invalid_argument);
+}
+
 TEST(Evaluation, RefusesAMethodThatThereIsNot) {
   EvaluationOptions options;
   options.methods = {"by-magic"};
@@ -145,6 +221,7 @@ TEST(Evaluation, TellsHowFarItIs) {
   const Evaluation evaluation =
       evaluate(make_toy_merge(toy_world(5)), options, [&](const EvaluationProgress& p) { told.push_back(p); });
   ASSERT_FALSE(told.empty());
+  EXPECT_TRUE(std::ranges::any_of(told, [](const EvaluationProgress& p) { return p.stage == "limit"; }));
   EXPECT_EQ(told.front().stage, "quickconnect");
   EXPECT_EQ(told.front().total, evaluation.candidates);
   EXPECT_EQ(told.back().stage, "eigenvalues");

@@ -101,6 +101,41 @@ TEST(Figures, Figure6EndsAtTheFinalValue) {
   EXPECT_NEAR(std::stod(last[8]), 1, 1e-9);
 }
 
+// The cells of a line of CSV.
+std::vector<std::string> cells_of(const std::string& line) {
+  std::vector<std::string> cells;
+  std::istringstream fields(line);
+  for (std::string field; std::getline(fields, field, ',');) cells.push_back(field);
+  return cells;
+}
+
+TEST(Figures, SetEveryMethodBesideTheClairvoyant) {
+  const Evaluation evaluation = small_evaluation();
+  const std::vector<OutputFile> files = figures(evaluation, "ab");
+  const std::string& levels = file_named(files, "levels.csv").content;
+  EXPECT_THAT(lines_of(levels).front(), ::testing::EndsWith(",clairvoyant_edges,to_clairvoyant,least_edges"));
+  const LevelLimit& limit = evaluation.limit.levels.back();  // 99 %
+  ASSERT_TRUE(limit.clairvoyant.has_value());
+  const std::vector<std::string> clairvoyant = cells_of(last_line_of("clairvoyant", levels));
+  ASSERT_EQ(clairvoyant.size(), 19u);
+  EXPECT_EQ(clairvoyant[4], std::to_string(limit.clairvoyant->edges)) << "one verification an edge";
+  EXPECT_EQ(clairvoyant[10], std::to_string(limit.clairvoyant->edges));
+  EXPECT_EQ(clairvoyant[17], "1");
+  const std::vector<std::string> baseline = cells_of(last_line_of("brute-force", levels));
+  EXPECT_EQ(baseline[16], clairvoyant[4]);
+  EXPECT_NEAR(std::stod(baseline[17]), std::stod(baseline[4]) / std::stod(clairvoyant[4]), 1e-6);
+  EXPECT_EQ(baseline[18], std::to_string(limit.least_edges));
+
+  const std::string& curves = file_named(files, "figure-6.csv").content;
+  const std::vector<std::string> bound = cells_of(last_line_of("bound", curves));
+  EXPECT_EQ(bound[3], std::to_string(evaluation.finished.edges)) << "all of them are in the final component here";
+  EXPECT_NEAR(std::stod(bound[8]), 1, 1e-9);
+  EXPECT_EQ(cells_of(last_line_of("clairvoyant", curves))[3], clairvoyant[4]);
+  EXPECT_THAT(file_named(files, "figure-6-verifications.svg").content, HasSubstr("clairvoyant"));
+  EXPECT_THAT(file_named(files, "figure-6-time.svg").content, Not(HasSubstr("clairvoyant")));
+  EXPECT_THAT(markdown_report(small_head(), evaluation, nullptr), HasSubstr("| **clairvoyant** |"));
+}
+
 TEST(Figures, ShowNoTimeWhenVerdictsWereShared) {
   const Evaluation evaluation = small_evaluation(true);
   for (const OutputFile& file : figures(evaluation, "ab")) {
@@ -168,7 +203,7 @@ int expect_markdown_tables(const std::string& text) {
 TEST(Report, HasATableForEachLevelAndARowForEachMethod) {
   const Evaluation evaluation = small_evaluation();
   const std::string report = markdown_report(small_head(), evaluation, nullptr);
-  EXPECT_EQ(expect_markdown_tables(report), 7) << "head, share, four levels, whole";
+  EXPECT_EQ(expect_markdown_tables(report), 8) << "head, share, clairvoyant, four levels, whole";
   for (const char* level : {"50 %", "90 %", "95 %", "99 %"}) {
     EXPECT_THAT(report, HasSubstr(std::string("## To ") + level + " of the final value"));
   }
@@ -176,7 +211,7 @@ TEST(Report, HasATableForEachLevelAndARowForEachMethod) {
     const std::string begin = "| `" + method.method + "`";
     int rows = 0;
     for (const std::string& line : lines_of(report)) rows += line.starts_with(begin) ? 1 : 0;
-    EXPECT_EQ(rows, 6) << method.method;
+    EXPECT_EQ(rows, 7) << method.method;
   }
   EXPECT_THAT(report, HasSubstr("20 ms for each verification"));
   EXPECT_THAT(report, Not(HasSubstr("nan")));
@@ -199,7 +234,7 @@ TEST(Report, SaysWhatTheTruthSays) {
   const TruthResult truth = judge(verdicts, Truth::parse(csv, maps), test::make_toy_merge(test::toy_world(5)),
                                   evaluation, {.min_inliers = 10, .max_false_alarms = 1e-6});
   const std::string report = markdown_report(small_head(), evaluation, &truth);
-  EXPECT_EQ(expect_markdown_tables(report), 10);
+  EXPECT_EQ(expect_markdown_tables(report), 11);
   EXPECT_THAT(report, HasSubstr("precision is a lower bound"));
   for (const OutputFile& file : truth_figures(evaluation, truth, "ab")) {
     if (file.name.ends_with(".svg")) {
