@@ -6,17 +6,15 @@
 namespace mapweld {
 namespace {
 
-std::uint8_t support_bin(std::uint32_t passed, std::uint32_t failed) {
-  if (passed == 0) return failed == 0 ? 0 : failed < 3 ? 1 : 2;
-  if (2 * passed < failed) return 3;
-  if (passed <= failed) return 4;
-  return passed >= 4 ? 6 : 5;
+// Sums of comparisons: all candidates are looked through, and a processor guesses their branches badly.
+int support_bin(std::uint32_t passed, std::uint32_t failed) {
+  if (passed == 0) return (failed > 0 ? 1 : 0) + (failed >= 3 ? 1 : 0);
+  return 3 + (2 * passed >= failed ? 1 : 0) + (passed > failed ? 1 + (passed >= 4 ? 1 : 0) : 0);
 }
 
-std::uint8_t history_bin(std::uint32_t passed, std::uint32_t failed) {
-  if (passed == 0) return failed == 0 ? 0 : failed <= 3 ? 1 : 2;
-  if (4 * passed < failed) return 3;
-  return passed <= failed ? 4 : 5;
+int history_bin(std::uint32_t passed, std::uint32_t failed) {
+  if (passed == 0) return (failed > 0 ? 1 : 0) + (failed > 3 ? 1 : 0);
+  return 3 + (4 * passed >= failed ? 1 : 0) + (passed > failed ? 1 : 0);
 }
 
 }  // namespace
@@ -63,12 +61,13 @@ void CandidateEvidence::note(std::uint32_t candidate, bool passed) {
 
 PassFeatures CandidateEvidence::features(std::uint32_t candidate) const {
   const Cell& c = cells_[candidate];
-  const Tally near = near_[candidate];
+  const SmallTally near = near_[candidate];
   std::uint32_t passed = of_row_[c.row].passed + of_column_[c.column].passed;
   std::uint32_t failed = of_row_[c.row].failed + of_column_[c.column].failed;
   if (verdicts_[candidate] == Verdict::kPassed) passed -= 2;
   if (verdicts_[candidate] == Verdict::kFailed) failed -= 2;
-  return {odds_[candidate], support_bin(near.passed, near.failed), history_bin(passed, failed)};
+  return {odds_[candidate], static_cast<std::uint8_t>(support_bin(near.passed, near.failed)),
+          static_cast<std::uint8_t>(history_bin(passed, failed))};
 }
 
 std::vector<PassModel::Count> CandidateEvidence::counts() const {

@@ -28,6 +28,11 @@ class CandidateEvidence {
   std::uint32_t size() const { return static_cast<std::uint32_t>(cells_.size()); }
   const Cell& cell(std::uint32_t candidate) const { return cells_[candidate]; }
   Verdict verdict(std::uint32_t candidate) const { return verdicts_[candidate]; }
+  bool is_open(std::uint32_t candidate) const { return verdicts_[candidate] == Verdict::kNone; }
+  std::uint32_t open() const { return size() - static_cast<std::uint32_t>(verified_.size()); }
+  std::uint32_t rows() const { return static_cast<std::uint32_t>(of_row_.size()); }
+  // The candidates of a row are those from first_of(row) to first_of(row + 1) - 1.
+  std::uint32_t first_of(std::uint32_t row) const { return row_offsets_[row]; }
   // The number of the candidate in a cell; size() when there is none.
   std::uint32_t find(std::uint32_t row, std::uint32_t column) const;
 
@@ -52,7 +57,14 @@ class CandidateEvidence {
   std::vector<float> odds_;
   std::vector<Verdict> verdicts_;
   std::vector<std::uint32_t> verified_;  // in order of their verdicts
-  std::vector<Tally> near_, of_row_, of_column_;
+  struct SmallTally {
+    std::uint8_t passed = 0;
+    std::uint8_t failed = 0;
+    void note(bool has_passed) { ++(has_passed ? passed : failed); }
+  };
+  static_assert((2 * kWindow + 1) * (2 * kWindow + 1) <= 0xFF);
+  std::vector<SmallTally> near_;
+  std::vector<Tally> of_row_, of_column_;
 };
 
 }  // namespace mapweld

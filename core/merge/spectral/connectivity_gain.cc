@@ -76,15 +76,6 @@ void ConnectivityGain::expect(VertexId u, VertexId v, double weight) {
   power_up();
 }
 
-double ConnectivityGain::first_gain(VertexId u, VertexId v) const {
-  const auto k = static_cast<std::size_t>(coordinates_.cols());
-  const float* a = scaled_.data() + k * place_[to_index(u)];
-  const float* b = scaled_.data() + k * place_[to_index(v)];
-  float sum = 0;
-  for (std::size_t i = 0; i < k; ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
-  return sum;
-}
-
 double ConnectivityGain::gain(VertexId u, VertexId v) const {
   const Eigen::Index k = coordinates_.cols();
   const double* a = coordinates_.data() + k * place_[to_index(u)];

@@ -1,6 +1,7 @@
 // How much an edge between two vertices would do for a graph's algebraic connectivity.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -44,7 +45,14 @@ class ConnectivityGain {
   // Between two embedded vertices.
   double gain(VertexId u, VertexId v) const;
   // What gain() gave when the graph was embedded, in a tenth of the time.
-  double first_gain(VertexId u, VertexId v) const;
+  double first_gain(VertexId u, VertexId v) const {
+    const auto k = static_cast<std::size_t>(coordinates_.cols());
+    const float* a = scaled_.data() + k * place_[to_index(u)];
+    const float* b = scaled_.data() + k * place_[to_index(v)];
+    float sum = 0;
+    for (std::size_t i = 0; i < k; ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+    return sum;
+  }
 
   // What expect() changes, and nothing else: taken before edges are expected, it takes the expectations back.
   struct Metric {

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "core/merge/logistic.h"
-
 namespace mapweld {
 namespace {
 
@@ -12,9 +10,6 @@ constexpr int kWeights = 1 + PassModel::kOdds + PassModel::kSupport + PassModel:
 constexpr int kSweeps = 8;
 constexpr double kRidge = 1.0;     // a prior weight counts like so much information
 constexpr double kCellPrior = 30;  // verdicts that a cell needs to outweigh the model
-
-// Bins of the odds by votes, from -6 to 6.
-constexpr float kLowestOdds = -6, kOddsPerBin = 0.75f;
 
 // Prior weights: the odds are taken as they are, passed neighbours are good signs.
 constexpr std::array<double, kWeights> kPrior{0.0,                                        // constant
@@ -32,14 +27,6 @@ std::array<int, 3> weights_of(int cell) {
 }
 
 }  // namespace
-
-int PassModel::odds_bin(float odds) {
-  return std::clamp(static_cast<int>((odds - kLowestOdds) / kOddsPerBin), 0, kOdds - 1);
-}
-
-std::uint16_t PassModel::cell(const PassFeatures& f) {
-  return static_cast<std::uint16_t>((odds_bin(f.odds) * kSupport + f.support) * kHistory + f.history);
-}
 
 PassModel::PassModel(const std::vector<Count>& counts) {
   if (counts.size() != kCells) throw std::invalid_argument("a pass model needs the counts of every cell");
@@ -81,12 +68,8 @@ PassModel::PassModel(const std::vector<Count>& counts) {
     if (counts[c].verified == 0) continue;
     const double odds = counts[c].odds / verified;
     const double chance = (counts[c].passed + kCellPrior * logistic(odds + offset)) / (verified + kCellPrior);
-    offsets_[c] = static_cast<float>(log_odds(chance) - odds);
+    offsets_[c] = static_cast<float>(mapweld::log_odds(chance) - odds);
   }
-}
-
-double PassModel::chance(const PassFeatures& features) const {
-  return logistic(features.odds + offsets_[cell(features)]);
 }
 
 }  // namespace mapweld

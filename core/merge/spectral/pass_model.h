@@ -1,9 +1,12 @@
 // The chance that a candidate passes verification, learnt from the verdicts so far.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
+
+#include "core/merge/logistic.h"
 
 namespace mapweld {
 
@@ -24,7 +27,9 @@ class PassModel {
   static constexpr int kOdds = 16, kSupport = 7, kHistory = 6;
   static constexpr int kCells = kOdds * kSupport * kHistory;
 
-  static std::uint16_t cell(const PassFeatures& features);
+  static std::uint16_t cell(const PassFeatures& f) {
+    return static_cast<std::uint16_t>((odds_bin(f.odds) * kSupport + f.support) * kHistory + f.history);
+  }
 
   // Verdicts by cell.
   struct Count {
@@ -34,10 +39,15 @@ class PassModel {
   };
   explicit PassModel(const std::vector<Count>& counts);
 
-  double chance(const PassFeatures& features) const;
+  double chance(const PassFeatures& features) const { return logistic(log_odds(features)); }
+  float log_odds(const PassFeatures& features) const { return features.odds + offsets_[cell(features)]; }
 
  private:
-  static int odds_bin(float odds);
+  // Bins of the odds by votes, from -6 to 6.
+  static constexpr float kLowestOdds = -6, kOddsPerBin = 0.75f;
+  static int odds_bin(float odds) {
+    return std::clamp(static_cast<int>((odds - kLowestOdds) / kOddsPerBin), 0, kOdds - 1);
+  }
   std::array<float, kCells> offsets_{};  // from a candidate's odds by votes to its log-odds
 };
 

@@ -1,12 +1,12 @@
 #include "core/merge/spectral/spectral_order.h"
 
 #include <algorithm>
-#include <cmath>
 #include <unordered_map>
 #include <utility>
 
 #include "core/errors.h"
 #include "core/graph/components.h"
+#include "core/merge/spectral/quickconnect_draw.h"
 
 namespace mapweld {
 namespace {
@@ -17,9 +17,6 @@ struct Scored {
   // Of two the one that is taken later: a heap keeps the greatest on top.
   bool operator<(const Scored& o) const { return score != o.score ? score < o.score : candidate > o.candidate; }
 };
-
-// Below any strengthening of the largest component: edges within a smaller one.
-constexpr double kElsewhere = 0.01;
 
 double squared(double x) { return x * x; }
 
@@ -59,10 +56,9 @@ SpectralOrder::SpectralOrder(AppearanceGraph graph, std::span<const VertexId> so
       evidence_(static_cast<std::uint32_t>(sources.size()), static_cast<std::uint32_t>(targets.size()),
                 std::move(cells), std::move(odds)),
       schedule_(graph_, options),
-      is_joined_(graph_.vertices(), 0) {
-  left_.resize(evidence_.size());
-  for (std::uint32_t i = 0; i < left_.size(); ++i) left_[i] = i;
-}
+      is_joined_(graph_.vertices(), 0),
+      is_picked_(evidence_.size(), false),
+      join_worth_{options.join_weight, options.join_size, graph_.vertices()} {}
 
 void SpectralOrder::note(Verdict verdict) {
   evidence_.note(verdict.candidate, verdict.passed);
@@ -84,82 +80,29 @@ void SpectralOrder::begin_batch(bool may_embed) {
 }
 
 void SpectralOrder::begin_epoch() {
-  std::erase_if(left_, [this](std::uint32_t c) { return has_verdict(c); });
   const Components components = connected_components(graph_);
   const std::uint32_t largest = graph_.vertices() == 0 ? 0 : components.largest();
   const auto strengthens = [&](std::uint32_t c) {
     return components.component_of[to_index(source(c))] == largest &&
            components.component_of[to_index(target(c))] == largest;
   };
-  gain_.emplace(graph_, options_.gain, std::ranges::any_of(left_, strengthens));
+  std::uint32_t first = 0;
+  while (first < size() && (has_verdict(first) || !strengthens(first))) ++first;
+  gain_.emplace(graph_, options_.gain, first < size());
   const std::uint64_t end = schedule_.next_epoch();
   const std::uint64_t picks = end - verifications_ + schedule_.batch_size(end);  // the most that the epoch can take
-  draw_shortlist(static_cast<std::size_t>(std::min<std::uint64_t>(left_.size(), options_.shortlist * picks)));
-  draw_quickconnect(static_cast<std::size_t>(std::min<std::uint64_t>(left_.size(), picks)));
-}
-
-void SpectralOrder::draw_shortlist(std::size_t count) {
   const PassModel model(evidence_.counts());
-  std::vector<Scored> strengthening, others;
-  double best = 0, best_chance = 0;
-  for (const std::uint32_t c : left_) {
-    const double chance = squared(model.chance(evidence_.features(c)));
-    if (is_strengthening(c)) {
-      const double score = chance * gain_->first_gain(source(c), target(c));
-      strengthening.push_back({score, c});
-      if (score > best) {
-        best = score;
-        best_chance = chance;
-      }
-    } else {
-      const std::uint32_t a = gain_->component(source(c)), b = gain_->component(target(c));
-      others.push_back({chance * (a != b ? join_worth(a, b) : kElsewhere), c});
-    }
+  shortlist_ = draw_shortlist({evidence_, model, *gain_, sources_, targets_, join_worth_},
+                              std::min<std::uint64_t>(evidence_.open(), options_.shortlist * picks));
+  quickconnect_.clear();
+  for (const std::uint32_t c : draw_quickconnect(evidence_, graph_, is_joined_, sources_, targets_,
+                                                 std::min<std::uint64_t>(evidence_.open(), picks))) {
+    quickconnect_.push_back({c, is_joined_[to_index(source(c))] != 0});
   }
-  for (Scored& s : strengthening) s.score *= best > 0 ? best_chance / best : 0;
-  strengthening.insert(strengthening.end(), others.begin(), others.end());
-  const auto later = [](const Scored& a, const Scored& b) { return b < a; };
-  if (count < strengthening.size()) {
-    std::nth_element(strengthening.begin(), strengthening.begin() + static_cast<std::ptrdiff_t>(count),
-                     strengthening.end(), later);
-    strengthening.resize(count);
-  }
-  shortlist_.clear();
-  for (const Scored& s : strengthening) shortlist_.push_back(s.candidate);
-  std::ranges::sort(shortlist_);
 }
 
 double SpectralOrder::join_worth(std::uint32_t component_a, std::uint32_t component_b) const {
-  const double size = std::min(gain_->component_size(component_a), gain_->component_size(component_b));
-  return options_.join_weight + options_.join_size * std::sqrt(size / graph_.vertices());
-}
-
-void SpectralOrder::draw_quickconnect(std::size_t count) {
-  // Ascending (class and degree, votes descending), number.
-  constexpr std::uint64_t kNotTheBest = std::uint64_t{1} << 32, kJoined = std::uint64_t{1} << 33;
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
-  keys.reserve(left_.size());
-  std::vector<std::uint32_t> best_of(graph_.vertices(), size());  // of each source
-  for (const std::uint32_t c : left_) {
-    std::uint32_t& best = best_of[to_index(source(c))];
-    if (best == size() || cell(c).votes > cell(best).votes) best = c;
-  }
-  for (const std::uint32_t c : left_) {
-    std::uint64_t key = (0xFFFFu - std::min(cell(c).votes, 0xFFFFu));
-    if (is_joined_[to_index(source(c))]) {
-      key |= kJoined | std::uint64_t{std::min({graph_.degree(source(c)), graph_.degree(target(c)), 0xFFFFu})} << 16;
-    } else if (c != best_of[to_index(source(c))]) {
-      key |= kNotTheBest;
-    }
-    keys.emplace_back(key, c);
-  }
-  if (count < keys.size()) {
-    std::nth_element(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(count), keys.end());
-    keys.resize(count);
-  }
-  std::ranges::sort(keys);
-  quickconnect_.clear();
-  for (const auto& [key, c] : keys) quickconnect_.push_back({c, is_joined_[to_index(source(c))] != 0});
+  return join_worth_.of(std::min(gain_->component_size(component_a), gain_->component_size(component_b)));
 }
 
 std::vector<std::uint32_t> SpectralOrder::next_batch() {
@@ -207,7 +150,7 @@ std::vector<std::uint32_t> SpectralOrder::next_batch() {
   const auto score_of = [&](std::uint32_t i) {
     const Entry& entry = entries[i];
     if (entry.strengthens) return scale * entry.chance * gain_->gain(source(shortlist_[i]), target(shortlist_[i]));
-    if (entry.joint == 0) return kElsewhere * entry.chance;
+    if (entry.joint == 0) return kWorthElsewhere * entry.chance;
     const auto known = unjoined.find(entry.joint);
     return entry.worth * entry.chance * (known == unjoined.end() ? 1.0 : known->second);
   };
@@ -215,16 +158,15 @@ std::vector<std::uint32_t> SpectralOrder::next_batch() {
   std::make_heap(heap.begin(), heap.end());
 
   std::vector<std::uint32_t> batch;
-  std::vector<std::uint8_t> is_picked(evidence_.size(), 0);
   QuickConnectCursors cursors;
   const auto pick = [&](std::uint32_t c) {
-    is_picked[c] = 1;
+    is_picked_[c] = true;
     batch.push_back(c);
   };
   const ConnectivityGain::Metric metric = gain_->metric();
   while (batch.size() < size) {
     if ((verifications_ + batch.size() + 1) % options_.quickconnect_share == 0) {
-      pick(next_of_quickconnect(is_picked, cursors));
+      pick(next_of_quickconnect(cursors));
       continue;
     }
     while (true) {
@@ -232,7 +174,7 @@ std::vector<std::uint32_t> SpectralOrder::next_batch() {
       Scored top = heap.back();
       heap.pop_back();
       const std::uint32_t c = shortlist_[top.candidate];
-      if (is_picked[c] != 0) continue;  // for QuickConnect's order
+      if (is_picked_[c]) continue;  // for QuickConnect's order
       top.score = score_of(top.candidate);
       if (!heap.empty() && top < heap.front()) {
         heap.push_back(top);
@@ -250,13 +192,13 @@ std::vector<std::uint32_t> SpectralOrder::next_batch() {
     }
   }
   gain_->set_metric(metric);
+  for (const std::uint32_t c : batch) is_picked_[c] = false;
   return batch;
 }
 
 // The next candidate of QuickConnect's order that is not picked yet. Both cursors only go forward within a batch.
-std::uint32_t SpectralOrder::next_of_quickconnect(const std::vector<std::uint8_t>& is_picked,
-                                                  QuickConnectCursors& cursors) const {
-  const auto is_free = [&](const QuickConnectPick& pick) { return is_picked[pick.candidate] == 0; };
+std::uint32_t SpectralOrder::next_of_quickconnect(QuickConnectCursors& cursors) const {
+  const auto is_free = [this](const QuickConnectPick& pick) { return !is_picked_[pick.candidate]; };
   for (; cursors.next < quickconnect_.size(); ++cursors.next) {
     const QuickConnectPick& pick = quickconnect_[cursors.next];
     const bool is_passed_over = !pick.was_joined && is_joined_[to_index(source(pick.candidate))] != 0;

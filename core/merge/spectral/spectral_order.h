@@ -10,6 +10,7 @@
 #include "core/graph/disjoint_sets.h"
 #include "core/merge/spectral/candidate_evidence.h"
 #include "core/merge/spectral/connectivity_gain.h"
+#include "core/merge/spectral/shortlist.h"
 
 namespace mapweld {
 
@@ -87,9 +88,7 @@ class SpectralOrder {
   // The candidate of a row and a column; size() when there is none.
   std::uint32_t find(std::uint32_t row, std::uint32_t column) const { return evidence_.find(row, column); }
   const CandidateEvidence::Cell& cell(std::uint32_t candidate) const { return evidence_.cell(candidate); }
-  bool has_verdict(std::uint32_t candidate) const {
-    return evidence_.verdict(candidate) != CandidateEvidence::Verdict::kNone;
-  }
+  bool has_verdict(std::uint32_t candidate) const { return !evidence_.is_open(candidate); }
 
   // The candidates to verify next, in this order; empty when all have a verdict. Costs an embedding when an epoch
   // begins. Requires a verdict for each of the former batch.
@@ -109,12 +108,10 @@ class SpectralOrder {
   double join_worth(std::uint32_t component_a, std::uint32_t component_b) const;
   void begin_batch(bool may_embed);
   void begin_epoch();
-  void draw_shortlist(std::size_t count);
-  void draw_quickconnect(std::size_t count);
   struct QuickConnectCursors {
     std::size_t next = 0, next_passed_over = 0;
   };
-  std::uint32_t next_of_quickconnect(const std::vector<std::uint8_t>& is_picked, QuickConnectCursors& cursors) const;
+  std::uint32_t next_of_quickconnect(QuickConnectCursors& cursors) const;
 
   SpectralOptions options_;
   AppearanceGraph graph_;
@@ -124,9 +121,10 @@ class SpectralOrder {
   std::uint64_t verifications_ = 0;
   std::vector<std::uint8_t> is_joined_;  // by vertex: it has an inter edge
   std::vector<std::uint32_t> passed_;    // not yet taken into schedule and gain, in order
+  std::vector<bool> is_picked_;          // by candidate: for the batch that is being chosen
+  JoinWorth join_worth_;
   // Of the epoch:
   std::optional<ConnectivityGain> gain_;
-  std::vector<std::uint32_t> left_;       // had no verdict at its beginning, ascending
   std::vector<std::uint32_t> shortlist_;  // ascending
   struct QuickConnectPick {
     std::uint32_t candidate = 0;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -10,6 +9,7 @@
 #include "core/fingerprint.h"
 #include "core/graph/components.h"
 #include "core/merge/make_merger.h"
+#include "tests/core/merge/spectral/quickconnect_oracle.h"
 #include "tests/core/merge/toy_maps.h"
 #include "tests/core/merge/verdict_log.h"
 
@@ -77,27 +77,6 @@ TEST(Spectral, GoesOnExactlyWhereItStoppedWhereverThatWas) {
   }
 }
 
-// QuickConnect's order as it is when an epoch begins, counted from nothing: (not the best of its unjoined source,
-// joined, lower degree, votes descending, number).
-using Key = std::tuple<bool, bool, std::uint32_t, std::int64_t, std::size_t>;
-std::vector<Key> quickconnect_order(const std::vector<Candidate>& all, const std::vector<bool>& has_verdict,
-                                    const std::vector<bool>& is_joined, const AppearanceGraph& graph) {
-  std::vector<Key> keys;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (has_verdict[i]) continue;
-    const bool joined = is_joined[to_index(all[i].source)];
-    bool is_best = true;
-    for (std::size_t k = 0; k < all.size(); ++k) {
-      if (has_verdict[k] || all[k].source != all[i].source) continue;
-      if (all[k].votes > all[i].votes || (all[k].votes == all[i].votes && k < i)) is_best = false;
-    }
-    const std::uint32_t degree = joined ? std::min(graph.degree(all[i].source), graph.degree(all[i].target)) : 0;
-    keys.emplace_back(joined, !joined && !is_best, degree, -std::int64_t{all[i].votes}, i);
-  }
-  std::ranges::sort(keys);
-  return keys;
-}
-
 // Told from the verdicts alone, with components and epochs found anew.
 TEST(Spectral, GivesItsShareToQuickConnectsOrder) {
   const SpectralOptions options;
@@ -110,7 +89,7 @@ TEST(Spectral, GivesItsShareToQuickConnectsOrder) {
     const std::uint32_t n = merger->graph().vertices();
     AppearanceGraph graph(n, merger->input().inner_edges);
     std::vector<bool> is_joined(n, false), has_verdict(all.size(), false);
-    std::vector<Key> keys;
+    std::vector<test::QuickConnectKey> keys;
     std::uint64_t given = 0, next_epoch = 0, epochs = 0;
     std::uint32_t largest_then = 0;
     for (std::size_t begin = 0; begin < verdicts.size();) {
@@ -120,7 +99,7 @@ TEST(Spectral, GivesItsShareToQuickConnectsOrder) {
         next_epoch = begin + std::max<std::uint64_t>(
                                  {options.least_epoch, n / options.epoch_vertices, begin / options.epoch_part});
         largest_then = largest;
-        keys = quickconnect_order(all, has_verdict, is_joined, graph);
+        keys = test::quickconnect_order(all, has_verdict, is_joined, graph);
         ++epochs;
       }
       const std::size_t end = std::min<std::size_t>(
@@ -137,7 +116,7 @@ TEST(Spectral, GivesItsShareToQuickConnectsOrder) {
         ASSERT_FALSE(has_verdict[taken]);
         if ((i + 1) % options.quickconnect_share == 0) {
           std::optional<std::size_t> expected, passed_over;
-          for (const Key& key : keys) {
+          for (const test::QuickConnectKey& key : keys) {
             const auto& [was_joined_then, not_best, degree, votes, c] = key;
             if (has_verdict[c]) continue;
             const bool is_passed_over = !was_joined_then && was_joined[to_index(all[c].source)];
