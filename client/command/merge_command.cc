@@ -78,6 +78,10 @@ void add_merge_command(CLI::App& app, Context& context) {
       "guards)");
   command->add_option("--min-confidence", options->parameters.min_confidence,
                       "How sure the guard must be of an edge that it confirms, 0 to 1");
+  command->add_flag_function(
+      "--serve-certificate,!--no-serve-certificate",
+      [options](std::int64_t times) { options->parameters.serves_certificate = times > 0; },
+      "Verify first what keeps the certificate low (default: with --certified)");
   options->budget.add_to(*command);
   CLI::Option* wait = command->add_flag("--wait", options->wait, "Return when the merge has come to rest");
   command->add_flag("--watch", options->watch, "The same, showing its progress")->excludes(wait);

@@ -33,12 +33,14 @@ struct MergeParameters {
   std::optional<std::string> votes;        // "min", "product" or "signatures"
   std::optional<bool> alias_guard;
   std::optional<double> min_confidence;  // of a confirmed edge, where the guard judges; 0 to 1
+  std::optional<bool> serves_certificate;
   static constexpr auto fields() {
     using P = MergeParameters;
     return std::tuple(
         omitted_when_empty("min_votes", &P::min_votes), omitted_when_empty("min_inliers", &P::min_inliers),
         omitted_when_empty("max_false_alarms", &P::max_false_alarms), omitted_when_empty("votes", &P::votes),
-        omitted_when_empty("alias_guard", &P::alias_guard), omitted_when_empty("min_confidence", &P::min_confidence));
+        omitted_when_empty("alias_guard", &P::alias_guard), omitted_when_empty("min_confidence", &P::min_confidence),
+        omitted_when_empty("serves_certificate", &P::serves_certificate));
   }
   friend bool operator==(const MergeParameters&, const MergeParameters&) = default;
 };

@@ -16,6 +16,9 @@ struct MergeOptions {
       default_min_votes(VoteRule::kSignatures);  // a pair is a candidate when its final votes reach this; 1 .. 65535
   VoteRule votes = VoteRule::kSignatures;        // how the similarity S of two images is counted
   std::uint64_t seed = 0;                        // of the methods that draw at random
+  // Of `spectral`: part of the verifications goes to what the certificate's bound rests on (certificate_order.h), so
+  // that a budget judged by the certificate ends earlier; the graph gets better more slowly.
+  bool serves_certificate = false;
   friend bool operator==(const MergeOptions&, const MergeOptions&) = default;
 };
 

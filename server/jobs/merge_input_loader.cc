@@ -127,7 +127,7 @@ std::optional<LoadedMerge> load_merge(const Reader& db, JobId job, const Verifie
   }
   loaded.input.verifier =
       verifier({.min_inliers = parameters.min_inliers, .max_false_alarms = parameters.max_false_alarms});
-  loaded.input.options = {row->method, parameters.min_votes, parameters.votes, row->seed};
+  loaded.input.options = {row->method, parameters.min_votes, parameters.votes, row->seed, parameters.serves_certificate};
   loaded.state = load_state(db, job);
   loaded.row = std::move(*row);
   return loaded;

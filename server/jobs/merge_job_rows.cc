@@ -42,7 +42,8 @@ std::string to_row(const MergeParameters& parameters) {
               {"max_false_alarms", parameters.max_false_alarms},
               {"votes", to_string(parameters.votes)},
               {"alias_guard", parameters.alias_guard},
-              {"min_confidence", parameters.min_confidence}}
+              {"min_confidence", parameters.min_confidence},
+              {"serves_certificate", parameters.serves_certificate}}
       .dump();
 }
 
@@ -87,6 +88,7 @@ MergeParameters parameters_of(const MergeRow& row) {
     p.min_votes = json.value("min_votes", default_min_votes(p.votes));
     p.alias_guard = json.value("alias_guard", p.alias_guard);
     p.min_confidence = json.value("min_confidence", p.min_confidence);
+    p.serves_certificate = json.value("serves_certificate", p.serves_certificate);
     return p;
   });
 }

@@ -35,6 +35,7 @@ struct MergeParameters {
   VoteRule votes = VoteRule::kMin;
   bool alias_guard = false;  // confirm only what core/guard/alias_guard.h confirms; otherwise every edge is
   double min_confidence = kDefaultMinConfidence;  // of a confirmed edge, where the guard judges; 0 .. 1
+  bool serves_certificate = false;  // of `spectral`: MergeOptions
   friend bool operator==(const MergeParameters&, const MergeParameters&) = default;
 };
 

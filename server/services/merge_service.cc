@@ -37,6 +37,7 @@ contract::MergeParameters describe(const MergeParameters& parameters) {
   out.votes = std::string(to_string(parameters.votes));
   out.alias_guard = parameters.alias_guard;
   out.min_confidence = parameters.min_confidence;
+  out.serves_certificate = parameters.serves_certificate;
   return out;
 }
 
@@ -151,6 +152,7 @@ contract::Merge MergeService::submit(const contract::SubmitMerge& request) {
   merge.parameters.votes = rule_of(request);
   merge.parameters.min_votes = default_min_votes(merge.parameters.votes);
   merge.parameters.alias_guard = merge.method == "spectral";  // the others are as the paper has them
+  merge.parameters.serves_certificate = request.budget && request.budget->certified.value_or(false);
   if (request.parameters) {
     const contract::MergeParameters& from = *request.parameters;
     MergeParameters& to = merge.parameters;
@@ -159,6 +161,7 @@ contract::Merge MergeService::submit(const contract::SubmitMerge& request) {
     if (from.max_false_alarms) to.max_false_alarms = *from.max_false_alarms;
     if (from.alias_guard) to.alias_guard = *from.alias_guard;
     if (from.min_confidence) to.min_confidence = *from.min_confidence;
+    if (from.serves_certificate) to.serves_certificate = *from.serves_certificate;
   }
   if (request.budget) merge.budget = *request.budget;
   return describe(jobs_.submit(merge));

@@ -9,7 +9,7 @@
 
 #include "core/graph/components.h"
 #include "core/graph/disjoint_sets.h"
-#include "core/merge/certificate/component_edges.h"
+#include "core/graph/component_edges.h"
 
 namespace mapweld {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "core/graph/algebraic_connectivity.h"
 #include "core/graph/appearance_graph.h"
-#include "core/merge/certificate/near_fiedler.h"
+#include "core/graph/near_fiedler.h"
 #include "core/types.h"
 
 namespace mapweld {

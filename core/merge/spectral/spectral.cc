@@ -13,6 +13,7 @@ Spectral::Spectral(MergeInput input, const SpectralOptions& options)
       options_(options),
       blocks_(input_.members),
       open_(pairs().size(), 0) {
+  options_.serves_certificate |= input_.options.serves_certificate;
   state_.phase = MergePhase::kVoting;
   advance();
 }

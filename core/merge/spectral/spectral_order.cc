@@ -99,10 +99,30 @@ void SpectralOrder::begin_epoch() {
                                                  std::min<std::uint64_t>(evidence_.open(), picks))) {
     quickconnect_.push_back({c, is_joined_[to_index(source(c))] != 0});
   }
+  draw_certificate(model, std::min<std::uint64_t>(evidence_.open(), picks));
 }
 
 double SpectralOrder::join_worth(std::uint32_t component_a, std::uint32_t component_b) const {
   return join_worth_.of(std::min(gain_->component_size(component_a), gain_->component_size(component_b)));
+}
+
+// The joining ones in the order of their chance.
+void SpectralOrder::draw_certificate(const PassModel& model, std::size_t count) {
+  certificate_ = {};
+  if (!options_.serves_certificate) return;
+  std::vector<Scored> by_chance;
+  by_chance.reserve(evidence_.open());
+  for (std::uint32_t c = 0; c < size(); ++c) {
+    if (!has_verdict(c)) by_chance.push_back({model.chance(evidence_.features(c)), c});
+  }
+  std::ranges::sort(by_chance, [](const Scored& a, const Scored& b) { return b < a; });
+  std::vector<std::pair<VertexId, VertexId>> open;
+  open.reserve(by_chance.size());
+  for (const Scored& s : by_chance) open.emplace_back(source(s.candidate), target(s.candidate));
+  certificate_ = certificate_order(graph_, open, count);
+  for (std::vector<std::uint32_t>* list : {&certificate_.within, &certificate_.joining}) {
+    for (std::uint32_t& i : *list) i = by_chance[i].candidate;
+  }
 }
 
 std::vector<std::uint32_t> SpectralOrder::next_batch() {
@@ -163,9 +183,19 @@ std::vector<std::uint32_t> SpectralOrder::next_batch() {
     is_picked_[c] = true;
     batch.push_back(c);
   };
+  std::size_t next_within = 0, next_joining = 0;
+  const auto pick_first_of = [&](const std::vector<std::uint32_t>& list, std::size_t& next) {
+    while (next < list.size() && (is_picked_[list[next]] || has_verdict(list[next]))) ++next;
+    if (next == list.size()) return false;
+    pick(list[next++]);
+    return true;
+  };
   const ConnectivityGain::Metric metric = gain_->metric();
   while (batch.size() < size) {
-    if ((verifications_ + batch.size() + 1) % options_.quickconnect_share == 0) {
+    const std::uint64_t number = verifications_ + batch.size(), turn = number % 8;
+    if (turn % 2 == 0 && pick_first_of(certificate_.within, next_within)) continue;
+    if ((turn == 1 || turn == 5) && pick_first_of(certificate_.joining, next_joining)) continue;
+    if ((number + 1) % options_.quickconnect_share == 0) {
       pick(next_of_quickconnect(cursors));
       continue;
     }

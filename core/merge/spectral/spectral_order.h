@@ -9,6 +9,7 @@
 #include "core/graph/appearance_graph.h"
 #include "core/graph/disjoint_sets.h"
 #include "core/merge/spectral/candidate_evidence.h"
+#include "core/merge/spectral/certificate_order.h"
 #include "core/merge/spectral/connectivity_gain.h"
 #include "core/merge/spectral/shortlist.h"
 
@@ -31,6 +32,8 @@ struct SpectralOptions {
   std::uint32_t shortlist = 4;
   // Every so many-th verification is given to QuickConnect's order.
   std::uint32_t quickconnect_share = 4;
+  // Six of eight verifications go to what keeps the certificate low (certificate_order.h).
+  bool serves_certificate = false;
   // What joining two components is worth, the best strengthening edge being worth 1: join_weight, and join_size times
   // the square root of the smaller one's share of all vertices.
   double join_weight = 2;
@@ -72,6 +75,10 @@ class SpectralSchedule {
 // votes; then those of joined sources by (lower degree of the two ends, votes descending); ties by number. That order
 // is drawn up when an epoch begins; candidates whose source has been joined since are passed over while there are
 // others. So of its first n verifications at least n / quickconnect_share (rounded down) are QuickConnect's.
+//
+// Where the certificate is served, four of eight go to the candidates within the largest component that keep it low,
+// and two to those that could still join it, as drawn up when the epoch begins; when none of those is left, to the
+// short list.
 class SpectralOrder {
  public:
   struct Verdict {
@@ -111,6 +118,7 @@ class SpectralOrder {
   struct QuickConnectCursors {
     std::size_t next = 0, next_passed_over = 0;
   };
+  void draw_certificate(const PassModel& model, std::size_t count);
   std::uint32_t next_of_quickconnect(QuickConnectCursors& cursors) const;
 
   SpectralOptions options_;
@@ -131,6 +139,7 @@ class SpectralOrder {
     bool was_joined = false;  // its source
   };
   std::vector<QuickConnectPick> quickconnect_;
+  CertificateOrder certificate_;  // by candidates' numbers
 };
 
 }  // namespace mapweld

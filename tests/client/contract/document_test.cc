@@ -120,7 +120,7 @@ TEST(Documents, QualityHasTheShapeOfThePage) {
 TEST(Documents, SubmissionHasTheShapeOfThePage) {
   const Json document = parse_json(R"({"maps":["lab-a","lab-b"],"name":"lab","method":"quickconnect","seed":7,
     "parameters":{"min_votes":12,"min_inliers":12,"max_false_alarms":1e-15,"votes":"product","alias_guard":false,
-                  "min_confidence":0.95},
+                  "min_confidence":0.95,"serves_certificate":true},
     "budget":{"seconds":1.5,"verifications":null,"edges":null,"fraction_of_maximum":null,"certified":false}})");
   const auto submit = read_request<SubmitMerge>(document);
   EXPECT_NO_THROW(check(submit));
@@ -129,6 +129,7 @@ TEST(Documents, SubmissionHasTheShapeOfThePage) {
   EXPECT_EQ(submit.parameters->votes, "product");
   EXPECT_EQ(submit.parameters->max_false_alarms, 1e-15);
   EXPECT_EQ(submit.parameters->min_confidence, 0.95);
+  EXPECT_EQ(submit.parameters->serves_certificate, true);
   EXPECT_EQ(submit.budget->seconds, 1.5);
   EXPECT_EQ(submit.budget->verifications, std::nullopt);
   EXPECT_EQ(Json(submit).get<SubmitMerge>(), submit);

@@ -346,6 +346,8 @@ TEST(Api, AFractionOfTheMaximumIsABudget) {
               202);
   }
   EXPECT_EQ(api.finished_merge(1)["state"], "completed") << "fewer candidates than are verified before the first test";
+  EXPECT_EQ(api.finished_merge(1)["parameters"]["serves_certificate"], false);
+  EXPECT_EQ(api.finished_merge(2)["parameters"]["serves_certificate"], true) << "as its first budget is judged";
 }
 
 TEST(Api, AMapsMask) {

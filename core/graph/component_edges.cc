@@ -1,4 +1,4 @@
-#include "core/merge/certificate/component_edges.h"
+#include "core/graph/component_edges.h"
 
 namespace mapweld {
 

@@ -1,4 +1,4 @@
-#include "core/merge/certificate/near_fiedler.h"
+#include "core/graph/near_fiedler.h"
 
 #include "core/graph/approximate_cholesky.h"
 #include "core/graph/sparsify.h"
