@@ -7,7 +7,7 @@
 
 #include "core/graph/algebraic_connectivity.h"
 #include "core/graph/components.h"
-#include "core/merge/certificate/near_fiedler.h"
+#include "core/graph/near_fiedler.h"
 
 namespace mapweld {
 namespace {
