@@ -39,7 +39,7 @@ void text(cv::Mat& canvas, const std::string& words, double x, double y, double 
 void print_lines(cv::Mat& canvas, double x, double y, double width, double height, double line, const Colour& colour,
                  Random& random);
 
-// Smooth noise in [-1, 1] on a lattice of `across` x `down` cells that wraps round. x, y >= 0.
+// Smooth noise in [-1, 1] on a lattice of `across` x `down` cells that wraps round. x, y > -1.
 class NoiseField {
  public:
   NoiseField(int across, int down, std::uint64_t seed);

@@ -35,6 +35,9 @@ void fade(cv::Mat& canvas, double amount, Random& random) {
   });
 }
 
+// Of a stain's radius: nothing of it is left there, and the noise of its edge does not reach so far.
+constexpr double kBeyondEdge = -4.0 / 3;
+
 // A soft spot with a ragged edge, darker or lighter than what is around.
 void stain(cv::Mat& canvas, double x, double y, double radius, double levels, const NoiseField& edge) {
   const int top = std::max(0, static_cast<int>(y - radius));
@@ -45,6 +48,7 @@ void stain(cv::Mat& canvas, double x, double y, double radius, double levels, co
     for (int column = left; column < right; ++column) {
       const double dx = (column - x) / radius;
       const double dy = (row - y) / radius;
+      if (dx <= kBeyondEdge || dy <= kBeyondEdge) continue;
       const double inside = 1 - dx * dx - dy * dy + 0.5 * edge.at(3 * (dx + 1), 3 * (dy + 1));
       if (inside <= 0) continue;
       const int delta = static_cast<int>(levels * std::min(1.0, 2.5 * inside) + 1024.5) - 1024;
