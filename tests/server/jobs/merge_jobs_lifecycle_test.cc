@@ -139,14 +139,17 @@ TEST_F(MergeJobsLifecycle, ARestartGoesOnByItselfAndRenewsNothing) {
   const std::int64_t paused = submit({}, "paused");
   jobs_->pause(paused);
   double elapsed_s = 0;
+  std::uint64_t verified = 0;
   for (int restart = 0; restart < 3; ++restart) {
-    meet(running, 10 + 20 * static_cast<std::uint64_t>(restart));
+    meet(running, verified + 1);
     jobs_.reset();  // checkpoints and stops
     store_.reopen();
     const auto row = find_merge(store_.read(), JobId{running});
     EXPECT_EQ(row->state, JobState::kRunning);
     EXPECT_GT(row->spent.elapsed_s, elapsed_s);
+    EXPECT_GT(row->spent.verifications, verified);
     elapsed_s = row->spent.elapsed_s;
+    verified = row->spent.verifications;
     EXPECT_EQ(row->spent.verifications, test::stored_state(store_, running).verifications);
     open();
   }
