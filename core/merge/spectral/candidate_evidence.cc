@@ -6,16 +6,8 @@
 namespace mapweld {
 namespace {
 
-// Sums of comparisons: all candidates are looked through, and a processor guesses their branches badly.
-int support_bin(std::uint32_t passed, std::uint32_t failed) {
-  if (passed == 0) return (failed > 0 ? 1 : 0) + (failed >= 3 ? 1 : 0);
-  return 3 + (2 * passed >= failed ? 1 : 0) + (passed > failed ? 1 + (passed >= 4 ? 1 : 0) : 0);
-}
-
-int history_bin(std::uint32_t passed, std::uint32_t failed) {
-  if (passed == 0) return (failed > 0 ? 1 : 0) + (failed > 3 ? 1 : 0);
-  return 3 + (4 * passed >= failed ? 1 : 0) + (passed > failed ? 1 : 0);
-}
+// Where one candidate in so many has a verdict, reading those in their order costs as much as passing by all.
+constexpr std::uint32_t kFarApart = 16;
 
 }  // namespace
 
@@ -59,25 +51,21 @@ void CandidateEvidence::note(std::uint32_t candidate, bool passed) {
   }
 }
 
-PassFeatures CandidateEvidence::features(std::uint32_t candidate) const {
-  const Cell& c = cells_[candidate];
-  const SmallTally near = near_[candidate];
-  std::uint32_t passed = of_row_[c.row].passed + of_column_[c.column].passed;
-  std::uint32_t failed = of_row_[c.row].failed + of_column_[c.column].failed;
-  if (verdicts_[candidate] == Verdict::kPassed) passed -= 2;
-  if (verdicts_[candidate] == Verdict::kFailed) failed -= 2;
-  return {odds_[candidate], static_cast<std::uint8_t>(support_bin(near.passed, near.failed)),
-          static_cast<std::uint8_t>(history_bin(passed, failed))};
-}
-
 std::vector<PassModel::Count> CandidateEvidence::counts() const {
   std::vector<PassModel::Count> counts(PassModel::kCells);
-  for (const std::uint32_t i : verified_) {
+  const auto add = [&](std::uint32_t i) {
     const PassFeatures f = features(i);
     PassModel::Count& count = counts[PassModel::cell(f)];
     ++count.verified;
     count.passed += verdicts_[i] == Verdict::kPassed ? 1 : 0;
     count.odds += f.odds;
+  };
+  if (verified_.size() < size() / kFarApart) {
+    for (const std::uint32_t i : verified_) add(i);
+  } else {
+    for (std::uint32_t i = 0; i < size(); ++i) {
+      if (!is_open(i)) add(i);
+    }
   }
   return counts;
 }

@@ -40,11 +40,31 @@ class CandidateEvidence {
   void note(std::uint32_t candidate, bool passed);
 
   // As the verdicts on the other candidates have it now.
-  PassFeatures features(std::uint32_t candidate) const;
+  PassFeatures features(std::uint32_t candidate) const {
+    const Cell& c = cells_[candidate];
+    const SmallTally near = near_[candidate];
+    std::uint32_t passed = of_row_[c.row].passed + of_column_[c.column].passed;
+    std::uint32_t failed = of_row_[c.row].failed + of_column_[c.column].failed;
+    if (verdicts_[candidate] == Verdict::kPassed) passed -= 2;
+    if (verdicts_[candidate] == Verdict::kFailed) failed -= 2;
+    return {odds_[candidate], static_cast<std::uint8_t>(support_bin(near.passed, near.failed)),
+            static_cast<std::uint8_t>(history_bin(passed, failed))};
+  }
   // Verdicts by cell of the pass model, each with the features that its candidate has now.
   std::vector<PassModel::Count> counts() const;
 
  private:
+  // Sums of comparisons: all candidates are looked through, and a processor guesses their branches badly.
+  static int support_bin(std::uint32_t passed, std::uint32_t failed) {
+    if (passed == 0) return (failed > 0 ? 1 : 0) + (failed >= 3 ? 1 : 0);
+    return 3 + (2 * passed >= failed ? 1 : 0) + (passed > failed ? 1 + (passed >= 4 ? 1 : 0) : 0);
+  }
+
+  static int history_bin(std::uint32_t passed, std::uint32_t failed) {
+    if (passed == 0) return (failed > 0 ? 1 : 0) + (failed > 3 ? 1 : 0);
+    return 3 + (4 * passed >= failed ? 1 : 0) + (passed > failed ? 1 : 0);
+  }
+
   std::uint32_t first_at(std::uint32_t row, std::uint32_t column) const;  // first candidate of the row from column on
 
   struct Tally {

@@ -6,6 +6,7 @@
 
 #include "core/errors.h"
 #include "core/graph/components.h"
+#include "core/merge/spectral/largest_first.h"
 #include "core/merge/spectral/quickconnect_draw.h"
 
 namespace mapweld {
@@ -142,8 +143,8 @@ std::vector<std::uint32_t> SpectralOrder::next_batch() {
   };
   std::vector<Entry> entries(shortlist_.size());
   double best = 0, best_chance = 0;
-  std::vector<Scored> heap;
-  heap.reserve(shortlist_.size());
+  std::vector<Scored> scored;
+  scored.reserve(shortlist_.size());
   for (std::uint32_t i = 0; i < shortlist_.size(); ++i) {
     const std::uint32_t c = shortlist_[i];
     Entry& entry = entries[i];
@@ -151,7 +152,7 @@ std::vector<std::uint32_t> SpectralOrder::next_batch() {
     entry.strengthens = is_strengthening(c);
     if (entry.strengthens) {
       const double score = entry.chance * gain_->gain(source(c), target(c));
-      heap.push_back({score, i});
+      scored.push_back({score, i});
       if (score > best) {
         best = score;
         best_chance = entry.chance;
@@ -163,7 +164,7 @@ std::vector<std::uint32_t> SpectralOrder::next_batch() {
       entry.joint = std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
       entry.worth = join_worth(a, b);
     }
-    heap.push_back({0, i});
+    scored.push_back({0, i});
   }
   const double scale = best > 0 ? best_chance / best : 0;
   std::unordered_map<std::uint64_t, double> unjoined;  // chance that no pick so far joins these two components
@@ -174,8 +175,8 @@ std::vector<std::uint32_t> SpectralOrder::next_batch() {
     const auto known = unjoined.find(entry.joint);
     return entry.worth * entry.chance * (known == unjoined.end() ? 1.0 : known->second);
   };
-  for (Scored& s : heap) s.score = entries[s.candidate].strengthens ? scale * s.score : score_of(s.candidate);
-  std::make_heap(heap.begin(), heap.end());
+  for (Scored& s : scored) s.score = entries[s.candidate].strengthens ? scale * s.score : score_of(s.candidate);
+  LargestFirst<Scored> queue(std::move(scored), size);
 
   std::vector<std::uint32_t> batch;
   QuickConnectCursors cursors;
@@ -200,15 +201,12 @@ std::vector<std::uint32_t> SpectralOrder::next_batch() {
       continue;
     }
     while (true) {
-      std::pop_heap(heap.begin(), heap.end());
-      Scored top = heap.back();
-      heap.pop_back();
+      Scored top = queue.pop();
       const std::uint32_t c = shortlist_[top.candidate];
       if (is_picked_[c]) continue;  // for QuickConnect's order
       top.score = score_of(top.candidate);
-      if (!heap.empty() && top < heap.front()) {
-        heap.push_back(top);
-        std::push_heap(heap.begin(), heap.end());
+      if (!queue.empty() && top < queue.front()) {
+        queue.push(top);
         continue;
       }
       pick(c);
