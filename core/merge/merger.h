@@ -14,7 +14,7 @@ namespace mapweld {
 
 // A merge is one fixed sequence of steps; how it is interrupted, or by how many threads it is watched, does not change
 // it. A step is one transition of the state: the votes of one word (or of one image), or one candidate's verification
-// or postponement. Not thread-safe.
+// or postponement. Where a transition takes long to prepare, steps before it leave the state as it is. Not thread-safe.
 //
 // What is behind step(): whatever decides the future is in state(). The rest (graph(), the word queue's heap) follows
 // from it and from the input, so that make_merger(input, state()) goes on exactly like this one.
@@ -24,8 +24,8 @@ class Merger {
   Merger(const Merger&) = delete;
   Merger& operator=(const Merger&) = delete;
 
-  // One transition; at most one verification. Requires !done(). When it throws (an appearance source that cannot
-  // read), nothing has changed and it may be tried again.
+  // One transition, or part of what prepares it; at most one verification. Requires !done(). When it throws (an
+  // appearance source that cannot read), nothing has changed and it may be tried again.
   virtual void step() = 0;
 
   bool done() const { return state().phase == MergePhase::kDone; }

@@ -92,11 +92,11 @@ void run_sized(std::uint32_t images, std::uint32_t min_votes, std::uint64_t veri
   const MergeState& state = merger->state();
   std::cout << std::fixed << std::setprecision(2) << "candidates " << state.candidates_known << ", verifications "
             << state.verifications << ", edges " << state.edges.size() << ", order " << order.value()
-            << "\nprocessor time: votes counted and order made after " << voted_s - began_s
-            << " s, first verification after " << first_s - began_s << " s, end after " << processor_s() - began_s
-            << " s\nlongest step: until the order is made " << longest_voting_s << " s, then " << longest_s
-            << " s (after " << longest_at << " verifications)\nmemory: " << before_mb << " MB before the merger, "
-            << status_mb("VmHWM:") << " MB at most\n";
+            << "\nprocessor time: votes counted after " << voted_s - began_s << " s, first verification after "
+            << first_s - began_s << " s, end after " << processor_s() - began_s << " s\nlongest step: of voting "
+            << longest_voting_s << " s, then " << longest_s << " s (after " << longest_at
+            << " verifications)\nmemory: " << before_mb << " MB before the merger, " << status_mb("VmHWM:")
+            << " MB at most\n";
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <stdexcept>
 
 #include "core/errors.h"
-#include "core/merge/spectral/vote_odds.h"
 
 namespace mapweld {
 
@@ -25,6 +24,7 @@ void Spectral::step() {
       keep_row();
       break;
     case MergePhase::kVerification:
+      if (!order_ && !make_order(options_.odds_at_once)) return;
       search.pending_next == search.pending.size() ? choose_batch() : take_pending();
       break;
     default:
@@ -52,9 +52,9 @@ void Spectral::advance() {
   while (state_.phase == MergePhase::kVoting && state_.search.next_row == votes().rows()) {
     if (next_votes()) continue;
     state_.phase = MergePhase::kVerification;
-    make_order();
   }
-  if (state_.phase == MergePhase::kVerification && state_.verifications == inherited() + order_->size()) {
+  if (state_.phase == MergePhase::kVerification &&
+      state_.verifications == inherited() + state_.search.postponed.size()) {
     state_.phase = MergePhase::kDone;
   }
 }
@@ -82,18 +82,28 @@ std::uint32_t Spectral::find(VertexId source, VertexId target) const {
   return order_->find(cell.row, cell.column);
 }
 
-// With the edges that there were when verifications began.
-void Spectral::make_order() {
-  std::vector<CandidateEvidence::Cell> cells;
-  cells.reserve(state_.search.postponed.size());
-  for (const Candidate& c : state_.search.postponed) cells.push_back(cell_of(c));
-  AppearanceGraph graph(graph_.vertices(), input_.inner_edges);
-  std::vector<float> odds = vote_odds(graph, blocks_.sources, blocks_.targets, cells);
+// With the edges that there were when verifications began. Works out the odds of so many candidates more; false while
+// there are others.
+bool Spectral::make_order(std::size_t candidates) {
+  if (!making_) {
+    making_ = std::make_unique<Making>();
+    making_->inner = AppearanceGraph(graph_.vertices(), input_.inner_edges);
+    making_->cells.reserve(state_.search.postponed.size());
+    for (const Candidate& c : state_.search.postponed) making_->cells.push_back(cell_of(c));
+    making_->odds.emplace(making_->inner, blocks_.sources, blocks_.targets, making_->cells);
+  }
+  if (!making_->odds->advance(candidates)) return false;
+  std::vector<float> odds = making_->odds->take();
+  making_->odds.reset();
+  AppearanceGraph graph = std::move(making_->inner);
   for (std::uint64_t i = 0; i < state_.inherited_edges; ++i) {
     const MergeEdge& e = state_.edges[i];
     graph.add_edge(e.u, e.v, static_cast<std::uint32_t>(e.verification.inliers));
   }
-  order_.emplace(std::move(graph), blocks_.sources, blocks_.targets, std::move(cells), std::move(odds), options_);
+  order_.emplace(std::move(graph), blocks_.sources, blocks_.targets, std::move(making_->cells), std::move(odds),
+                 options_);
+  making_.reset();
+  return true;
 }
 
 void Spectral::choose_batch() {
@@ -120,6 +130,7 @@ void Spectral::upcoming(std::size_t most, std::vector<Candidate>& candidates) co
 }
 
 std::vector<Candidate> Spectral::candidates_left() const {
+  if (!order_) return state_.search.postponed;
   std::vector<Candidate> left;
   for (std::uint32_t c = 0; c < order_->size(); ++c) {
     if (!order_->has_verdict(c)) left.push_back(state_.search.postponed[c]);
@@ -162,6 +173,7 @@ void Spectral::resume(MergeState state) {
   }
   refuse_unless(inherited() == 0 ? state_.candidates_known == search.postponed.size()
                                  : state_.candidates_known >= search.postponed.size());
+  making_.reset();
   order_.reset();
   if (state_.phase == MergePhase::kVoting) {
     refuse_unless(search.pending.empty() && state_.verifications == inherited());
@@ -174,7 +186,8 @@ void Spectral::resume(MergeState state) {
 
 void Spectral::restore_order() {
   const PairSearch& search = state_.search;
-  make_order();
+  if (search.pending.empty() && state_.verifications == inherited()) return;  // the next step makes it
+  make_order(search.postponed.size());
 
   // The verdicts in their order: an edge knows its place, rejected pairs fill the places between.
   std::vector<SpectralOrder::Verdict> verdicts;
@@ -203,10 +216,7 @@ void Spectral::restore_order() {
   }
   add_rejected_until(state_.verifications);
 
-  if (search.pending.empty()) {
-    refuse_unless(verdicts.empty());
-    return;
-  }
+  refuse_unless(!search.pending.empty());
   refuse_unless(search.pending_next <= verdicts.size());
   for (std::size_t i = 0; i < search.pending.size(); ++i) {
     const Candidate& pending = search.pending[i];

@@ -1,7 +1,9 @@
 // Our own method: all votes first, then verification in the order of SpectralOrder.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -10,6 +12,7 @@
 #include "core/merge/methods/pair_merger.h"
 #include "core/merge/spectral/pair_blocks.h"
 #include "core/merge/spectral/spectral_order.h"
+#include "core/merge/spectral/vote_odds.h"
 
 namespace mapweld {
 
@@ -17,8 +20,9 @@ namespace mapweld {
 // all_member_pairs; its candidates (final votes at least min_votes) come to `postponed`, ascending by (pair, row,
 // column). Phase kVerification: a step chooses the next batch, which is then `pending`, or verifies one candidate of
 // it: one order over all pairs. `postponed` stands still meanwhile: which of them are left follows from the verdicts,
-// as does everything else that the order goes by. Candidates whose verdict is known from before the maps grew are left
-// out: their edges are in the graph. docs/spectral.md has the reasons and the figures.
+// as does everything else that the order goes by. Of very many candidates the order is made in several steps that leave
+// the state as it is. Candidates whose verdict is known from before the maps grew are left out: their edges are in the
+// graph. docs/spectral.md has the reasons and the figures.
 class Spectral final : public PairMerger {
  public:
   static constexpr std::string_view kName = "spectral";
@@ -37,7 +41,7 @@ class Spectral final : public PairMerger {
   void take_pending();
   void advance();
   bool next_votes();
-  void make_order();
+  bool make_order(std::size_t candidates);
   void restore_order();
   std::uint64_t inherited() const { return state_.inherited_edges + state_.inherited_rejected; }
   std::size_t pair_of(VertexId u, VertexId v) const;
@@ -47,7 +51,13 @@ class Spectral final : public PairMerger {
 
   SpectralOptions options_;
   PairBlocks blocks_;
-  std::optional<SpectralOrder> order_;    // once all votes are in; follows from the state
+  struct Making {
+    AppearanceGraph inner;
+    std::vector<CandidateEvidence::Cell> cells;
+    std::optional<VoteOdds> odds;
+  };
+  std::unique_ptr<Making> making_;        // of the order
+  std::optional<SpectralOrder> order_;    // for the first batch and ever after; follows from the state
   std::vector<std::uint64_t> open_;       // by pair: of `postponed`, those without a verdict
   std::vector<std::uint32_t> row_votes_;  // scratch
 };

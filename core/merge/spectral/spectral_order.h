@@ -39,6 +39,8 @@ struct SpectralOptions {
   double join_weight = 2;
   double join_size = 4;
   ConnectivityGain::Options gain;
+  // Making the order: the odds of so many candidates, about, are one step's work.
+  std::uint32_t odds_at_once = 1 << 18;
 };
 
 // When batches and epochs begin. A function of the number of verifications and of the components.

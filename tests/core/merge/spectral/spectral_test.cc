@@ -77,6 +77,35 @@ TEST(Spectral, GoesOnExactlyWhereItStoppedWhereverThatWas) {
   }
 }
 
+// In slices of one row and of a few: they change nothing, and a merge goes on from between them.
+TEST(Spectral, MakesItsOrderInStepsThatLeaveTheStateAsItIs) {
+  const MergeInput input = make(long_world(5), "spectral");
+  const auto whole = make_merger(input);
+  run(*whole, {});
+  for (const std::uint32_t odds_at_once : {1u, 40u}) {
+    SpectralOptions options;
+    options.odds_at_once = odds_at_once;
+    Spectral sliced(input, options);
+    run(sliced, stop_when_merger([](const Merger& m) { return m.state().phase == MergePhase::kVerification; },
+                                 StopReason::kPaused));
+    const MergeState before = sliced.state();
+    std::uint32_t slices = 0;
+    for (; sliced.state().search.pending.empty(); ++slices) {
+      ASSERT_EQ(sliced.state(), before);
+      ASSERT_EQ(sliced.open_candidates(), before.search.postponed);
+      if (slices % 8 == 3) {
+        const auto resumed = make_merger(input, sliced.state());
+        run(*resumed, {});
+        ASSERT_EQ(resumed->state(), whole->state());
+      }
+      sliced.step();
+    }
+    EXPECT_GT(slices, 10u);
+    run(sliced, {});
+    EXPECT_EQ(sliced.state(), whole->state());
+  }
+}
+
 // Told from the verdicts alone, with components and epochs found anew.
 TEST(Spectral, GivesItsShareToQuickConnectsOrder) {
   const SpectralOptions options;
