@@ -3,13 +3,27 @@
 namespace mapweld::rendered {
 namespace {
 
+bool is_machine(Design design) {
+  switch (design) {
+    case Design::kVending:
+    case Design::kFridge:
+    case Design::kCopier:
+    case Design::kRack:
+    case Design::kScreen:
+    case Design::kKeyboard:
+      return true;
+    default:
+      return false;
+  }
+}
+
 cv::Mat paint(Design design, std::uint64_t index, Random& random, Random& notices) {
   if (design <= Design::kPaint) return paint_material(design, random);
   if (design == Design::kPoster) return paint_poster(random);
   if (design == Design::kPicture) return paint_picture(random);
   if (design <= Design::kWindow) return paint_wall_thing(design, index, random, notices);
   if (design == Design::kMark) return paint_mark(random);
-  return paint_furniture(design, random);
+  return is_machine(design) ? paint_machine(design, random) : paint_furniture(design, random);
 }
 
 }  // namespace

@@ -83,6 +83,7 @@ cv::Mat paint_poster(Random& random);
 cv::Mat paint_picture(Random& random);
 // `notices`, which may be the same: decide what is taped to it.
 cv::Mat paint_wall_thing(Design design, std::uint64_t index, Random& random, Random& notices);
-cv::Mat paint_furniture(Design design, Random& random);
+cv::Mat paint_furniture(Design design, Random& random);  // and what stands and lies about
+cv::Mat paint_machine(Design design, Random& random);
 
 }  // namespace mapweld::rendered
