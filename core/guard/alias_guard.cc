@@ -138,4 +138,13 @@ std::vector<GuardVerdict> guard_edges(const std::vector<MergeMember>& members,
   return AliasGuard(members, inner_edges, appearances, options).verdicts(inter_edges);
 }
 
+std::vector<Edge> confirmed_edges(std::span<const VerifiedEdge> edges, std::span<const GuardVerdict> verdicts) {
+  std::vector<Edge> confirmed;
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    if (!verdicts[e].confirmed()) continue;
+    confirmed.push_back({edges[e].u, edges[e].v, static_cast<std::uint32_t>(edges[e].inlier_matches.size())});
+  }
+  return confirmed;
+}
+
 }  // namespace mapweld

@@ -44,9 +44,13 @@ class AliasGuard {
   std::unique_ptr<Parts> parts_;
 };
 
-// The same, once.
+// The verdicts on all edges, once.
 std::vector<GuardVerdict> guard_edges(const std::vector<MergeMember>& members,
                                       std::span<const VerifiedEdge> inner_edges, std::span<const MergeEdge> inter_edges,
                                       const AppearanceSource& appearances, const GuardOptions& options = {});
+
+// Of edges those that their verdicts, one each, confirm: what a guarded merge rests on within its members. Weights are
+// inliers.
+std::vector<Edge> confirmed_edges(std::span<const VerifiedEdge> edges, std::span<const GuardVerdict> verdicts);
 
 }  // namespace mapweld

@@ -213,13 +213,7 @@ std::vector<Edge> confirmed_inner_edges(const MergeInput& input, std::span<const
                                         double min_confidence) {
   const AliasGuard guard(input.members, inner_edges, *input.appearances,
                          {.min_confidence = min_confidence, .model = {}});
-  std::vector<Edge> confirmed;
-  for (std::size_t e = 0; e < inner_edges.size(); ++e) {
-    if (!guard.inner_verdicts()[e].confirmed()) continue;
-    const VerifiedEdge& edge = inner_edges[e];
-    confirmed.push_back({edge.u, edge.v, static_cast<std::uint32_t>(edge.inlier_matches.size())});
-  }
-  return confirmed;
+  return confirmed_edges(inner_edges, guard.inner_verdicts());
 }
 
 Evaluation evaluate(MergeInput input, const EvaluationOptions& options, const EvaluationObserver& observer) {

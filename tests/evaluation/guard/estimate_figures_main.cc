@@ -19,7 +19,7 @@
 #include "core/merge/certificate/fraction_stop.h"
 #include "core/merge/make_merger.h"
 #include "core/merge/run.h"
-#include "tests/evaluation/guard/guard_cases.h"
+#include "tests/evaluation/guard/case_options.h"
 #include "tests/evaluation/guard/judged_merge.h"
 #include "tests/evaluation/guard/merge_order.h"
 #include "tests/evaluation/tool_main.h"
@@ -39,13 +39,7 @@ class GuardedMerge {
  public:
   explicit GuardedMerge(const JudgedMerge& judged)
       : appearances_(judged.merge.appearances()), guard_(judged.merge.members(), judged.inner, appearances_) {
-    std::vector<Edge> inner;
-    for (std::size_t e = 0; e < judged.inner.size(); ++e) {
-      const VerifiedEdge& edge = judged.inner[e];
-      if (!guard_.inner_verdicts()[e].confirmed()) continue;
-      inner.push_back({edge.u, edge.v, static_cast<std::uint32_t>(edge.inlier_matches.size())});
-    }
-    input_ = known_merge(judged, std::move(inner));
+    input_ = known_merge(judged, confirmed_edges(judged.inner, guard_.inner_verdicts()));
   }
 
   std::unique_ptr<Merger> fresh() const { return make_merger(input_); }
@@ -125,17 +119,10 @@ void figures(const std::string& name, const JudgedMerge& judged, bool each) {
 
 int run_tool(int argc, char** argv) {
   CLI::App app{"What a merge says of itself beside what turns out to be true.", "estimate_figures"};
-  std::string cache;
-  std::vector<std::string> names, scenarios;
-  std::vector<std::uint64_t> seeds;
+  CaseOptions options;
   bool each = false;
-  int threads = 2;
-  app.add_option("--cache", cache, "where made merges are kept")->required()->check(CLI::ExistingDirectory);
-  app.add_option("--cases", names, "some cases or groups of them only");
-  app.add_option("--scenarios", scenarios, "some of them only, rendered");
-  app.add_option("--seeds", seeds, "buildings and drives: rendered scenarios instead of photographs");
+  options.add_to(app);
   app.add_flag("--each", each, "every point of each merge");
-  app.add_option("--threads", threads, "for making merges; change no figure")->check(CLI::PositiveNumber);
   CLI11_PARSE(app, argc, argv);
   if (each) {
     std::printf(
@@ -146,8 +133,7 @@ int run_tool(int argc, char** argv) {
         "| case | candidates | mean error | bias | 0.9 held from | stops at | truth there | vertices there |\n");
     std::printf("|---|---|---|---|---|---|---|---|\n");
   }
-  for (const GuardCase& c : chosen_cases(names, scenarios, seeds))
-    figures(c.name, judged_merge(c, cache, threads), each);
+  for (const GuardCase& c : options.cases()) figures(c.name, judged_merge(c, options.cache, options.threads), each);
   return 0;
 }
 

@@ -19,6 +19,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tests/evaluation/guard/case_options.h"
 #include "tests/evaluation/guard/guard_tables.h"
 #include "tests/evaluation/guard/merge_order.h"
 #include "tests/evaluation/guard/reliability.h"
@@ -27,15 +28,11 @@
 namespace mapweld::evaluation {
 namespace {
 
-struct Asked {
-  std::string cache;
-  std::vector<std::string> names, scenarios;
-  std::vector<std::uint64_t> seeds;
+struct Asked : CaseOptions {
   bool rendered = false, each = false, list = false, only_cached = false, compare = true;
   std::size_t sample = 0, prefixes = 0;
   std::string uploaded = "given", order = "spectral", reliability;
   std::uint64_t order_seed = 1;
-  int threads = 2;
   GuardOptions guard;
 };
 
@@ -84,11 +81,8 @@ void prefixes(const Asked& asked, const std::vector<GuardCase>& cases) {
 int run(int argc, char** argv) {
   CLI::App app{"What the alias guard confirms, with the truth beside.", "guard_figures"};
   Asked asked;
-  app.add_option("--cache", asked.cache, "where made merges are kept")->required()->check(CLI::ExistingDirectory);
-  app.add_option("--cases", asked.names, "some cases or groups of them only");
+  asked.add_to(app);
   app.add_flag("--rendered", asked.rendered, "rendered scenarios instead of photographs");
-  app.add_option("--scenarios", asked.scenarios, "some of them only");
-  app.add_option("--seeds", asked.seeds, "buildings and drives");
   app.add_option("--uploaded", asked.uploaded, "photographs: given, reversed or shuffled:SEED");
   app.add_flag("--each", asked.each, "a line for each case as well");
   app.add_flag("--list", asked.list, "every confirmed edge that is known to be wrong");
@@ -100,11 +94,10 @@ int run(int argc, char** argv) {
   app.add_option("--reliability", asked.reliability, "an SVG to write")
       ->check(CLI::NonexistentPath | CLI::ExistingFile);
   app.add_option("--min-confidence", asked.guard.min_confidence, "of a confirmed edge")->check(CLI::Range(0.0, 1.0));
-  app.add_option("--threads", asked.threads, "for making merges; change no figure")->check(CLI::PositiveNumber);
   app.add_flag("--only-cached", asked.only_cached, "leaves out what is not in the cache yet");
   CLI11_PARSE(app, argc, argv);
   if (asked.rendered == asked.seeds.empty()) throw std::invalid_argument("--rendered and --seeds go together");
-  auto cases = chosen_cases(asked.names, asked.scenarios, asked.seeds);
+  auto cases = asked.cases();
   if (asked.uploaded != "given") {
     if (asked.rendered) throw std::invalid_argument("--uploaded is for photographs");
     const UploadOrder order = upload_order_of(asked.uploaded);

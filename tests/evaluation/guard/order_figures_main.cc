@@ -17,7 +17,7 @@
 #include "server/evaluation/curves.h"
 #include "server/evaluation/limit.h"
 #include "server/evaluation/recorded_run.h"
-#include "tests/evaluation/guard/guard_cases.h"
+#include "tests/evaluation/guard/case_options.h"
 #include "tests/evaluation/guard/judged_merge.h"
 #include "tests/evaluation/guard/merge_order.h"
 #include "tests/evaluation/tool_main.h"
@@ -47,19 +47,13 @@ void figures(const std::string& name, const JudgedMerge& judged, const std::vect
              std::vector<Ratios>& ratios) {
   const AppearanceTable appearances = judged.merge.appearances();
   AliasGuard guard(judged.merge.members(), judged.inner, appearances);
-  std::vector<Edge> inner;
-  for (std::size_t e = 0; e < judged.inner.size(); ++e) {
-    const VerifiedEdge& edge = judged.inner[e];
-    if (!guard.inner_verdicts()[e].confirmed()) continue;
-    inner.push_back({edge.u, edge.v, static_cast<std::uint32_t>(edge.inlier_matches.size())});
-  }
   std::set<std::pair<VertexId, VertexId>> confirmed;
   const std::vector<GuardVerdict>& verdicts = guard.verdicts(judged.merge.inter_edges);
   for (std::size_t e = 0; e < verdicts.size(); ++e) {
     const MergeEdge& edge = judged.merge.inter_edges[e];
     if (verdicts[e].confirmed()) confirmed.insert(std::minmax(edge.u, edge.v));
   }
-  const MergeInput input = known_merge(judged, std::move(inner));
+  const MergeInput input = known_merge(judged, confirmed_edges(judged.inner, guard.inner_verdicts()));
   std::vector<RecordedRun> runs;
   for (const std::string& method : methods) runs.push_back(confirmed_run(input, method, confirmed));
   const FinalComponent component(input, runs.front().edges);
@@ -93,16 +87,10 @@ void figures(const std::string& name, const JudgedMerge& judged, const std::vect
 
 int run_tool(int argc, char** argv) {
   CLI::App app{"How many verifications each order needs beside the clairvoyant.", "order_figures"};
-  std::string cache;
-  std::vector<std::string> names, scenarios, methods{"spectral", "quickconnect"};
-  std::vector<std::uint64_t> seeds;
-  int threads = 2;
-  app.add_option("--cache", cache, "where made merges are kept")->required()->check(CLI::ExistingDirectory);
-  app.add_option("--cases", names, "some cases or groups of them only");
-  app.add_option("--scenarios", scenarios, "some of them only, rendered");
-  app.add_option("--seeds", seeds, "buildings and drives: rendered scenarios instead of photographs");
+  CaseOptions options;
+  std::vector<std::string> methods{"spectral", "quickconnect"};
+  options.add_to(app);
   app.add_option("--methods", methods, "the orders");
-  app.add_option("--threads", threads, "for making merges; change no figure")->check(CLI::PositiveNumber);
   CLI11_PARSE(app, argc, argv);
   std::printf("| case | candidates | confirmed | clairvoyant, 90 / 95 / 99 %% |");
   for (const std::string& method : methods) std::printf(" %s | times |", method.c_str());
@@ -110,8 +98,8 @@ int run_tool(int argc, char** argv) {
   for (std::size_t m = 0; m < methods.size(); ++m) std::printf("---|---|");
   std::printf("\n");
   std::vector<Ratios> ratios(methods.size(), Ratios(kLevels.size()));
-  for (const GuardCase& c : chosen_cases(names, scenarios, seeds)) {
-    figures(c.name, judged_merge(c, cache, threads), methods, ratios);
+  for (const GuardCase& c : options.cases()) {
+    figures(c.name, judged_merge(c, options.cache, options.threads), methods, ratios);
   }
   for (std::size_t m = 0; m < methods.size(); ++m) {
     std::printf("%s, times the clairvoyant's, median and greatest:", methods[m].c_str());
