@@ -71,6 +71,16 @@ ToyWorld toy_world_of_several(std::uint32_t seed) {
   return world;
 }
 
+ToyWorld long_toy_world(std::uint32_t seed) {
+  ToyWorld world;
+  world.sizes = {70, 45};
+  world.places = 25;
+  world.min_votes = 2;
+  world.accept_share = 0.2;
+  world.seed = seed;
+  return world;
+}
+
 ToyWorld large_toy_world(std::uint32_t seed, std::string_view method) {
   ToyWorld world = toy_world(seed);
   world.method = method;

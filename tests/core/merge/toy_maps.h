@@ -38,6 +38,9 @@ ToyWorld large_toy_world(std::uint32_t seed, std::string_view method);
 
 // Three to five members, one of them empty for some seeds.
 ToyWorld toy_world_of_several(std::uint32_t seed);
+// Two robots walk along the same places, one after the other; only nearby places look alike, and the verifier passes
+// some pairs that it should not.
+ToyWorld long_toy_world(std::uint32_t seed);
 
 // A pure function of the pair: a hash of the two widths decides, and gives inliers, false alarms and matches.
 class HashVerifier final : public PairVerifier {

@@ -111,12 +111,7 @@ std::uint64_t certified_after(const MergeInput& input) {
 TEST(CertificateOrder, ServedTheCertificateRisesEarlierAndTheMergeEndsTheSame) {
   std::uint64_t served = 0, unserved = 0;
   for (std::uint32_t seed = 0; seed < 6; ++seed) {
-    test::ToyWorld world;
-    world.sizes = {70, 45};
-    world.places = 25;
-    world.min_votes = 2;
-    world.accept_share = 0.2;
-    world.seed = seed;
+    test::ToyWorld world = test::long_toy_world(seed);
     world.method = "spectral";
     MergeInput input = make_toy_merge(world);
     unserved += certified_after(input);

@@ -16,18 +16,6 @@
 namespace mapweld {
 namespace {
 
-// Two robots walk along the same places, one after the other; only nearby places look alike, and the verifier passes
-// some pairs that it should not.
-test::ToyWorld long_world(std::uint32_t seed) {
-  test::ToyWorld world;
-  world.sizes = {70, 45};
-  world.places = 25;
-  world.min_votes = 2;
-  world.accept_share = 0.2;
-  world.seed = seed;
-  return world;
-}
-
 MergeInput make(test::ToyWorld world, const char* method) {
   world.method = method;
   return make_toy_merge(world);
@@ -39,7 +27,7 @@ StopCondition stop_at_step(std::uint64_t step) {
 
 TEST(Spectral, EndsWithTheEdgesOfBruteForce) {
   for (std::uint32_t seed = 0; seed < 80; ++seed) {
-    const test::ToyWorld world = seed < 70 ? test::toy_world(seed) : long_world(seed);
+    const test::ToyWorld world = seed < 70 ? test::toy_world(seed) : test::long_toy_world(seed);
     const auto ours = make_merger(make(world, "spectral")), brute = make_merger(make(world, "brute-force"));
     run(*ours, {});
     run(*brute, {});
@@ -50,7 +38,7 @@ TEST(Spectral, EndsWithTheEdgesOfBruteForce) {
 }
 
 TEST(Spectral, MakesAtMostOneVerificationAStepAndSaysItsPhases) {
-  const auto merger = make_merger(make(long_world(1), "spectral"));
+  const auto merger = make_merger(make(test::long_toy_world(1), "spectral"));
   EXPECT_EQ(merger->state().phase, MergePhase::kVoting);
   std::uint64_t before = 0;
   run(*merger, {}, [&](const Merger& m) {
@@ -64,7 +52,7 @@ TEST(Spectral, MakesAtMostOneVerificationAStepAndSaysItsPhases) {
 }
 
 TEST(Spectral, GoesOnExactlyWhereItStoppedWhereverThatWas) {
-  const MergeInput input = make(long_world(3), "spectral");
+  const MergeInput input = make(test::long_toy_world(3), "spectral");
   const auto whole = make_merger(input);
   run(*whole, {});
   ASSERT_GT(whole->state().verifications, 300u);
@@ -79,7 +67,7 @@ TEST(Spectral, GoesOnExactlyWhereItStoppedWhereverThatWas) {
 
 // In slices of one row and of a few: they change nothing, and a merge goes on from between them.
 TEST(Spectral, MakesItsOrderInStepsThatLeaveTheStateAsItIs) {
-  const MergeInput input = make(long_world(5), "spectral");
+  const MergeInput input = make(test::long_toy_world(5), "spectral");
   const auto whole = make_merger(input);
   run(*whole, {});
   for (const std::uint32_t odds_at_once : {1u, 40u}) {
@@ -110,7 +98,7 @@ TEST(Spectral, MakesItsOrderInStepsThatLeaveTheStateAsItIs) {
 TEST(Spectral, GivesItsShareToQuickConnectsOrder) {
   const SpectralOptions options;
   for (std::uint32_t seed = 0; seed < 12; ++seed) {
-    test::ToyWorld world = long_world(seed);
+    test::ToyWorld world = test::long_toy_world(seed);
     if (seed >= 8) world.sizes = {30, 45, 25, 20};
     const auto merger = make_merger(make(world, "spectral"));
     const std::vector<test::OracleVerdict> verdicts = test::log_verdicts(*merger);
@@ -217,7 +205,7 @@ TEST(Spectral, VerifiesTwoMembersInTheRecordedOrder) {
   };
   Fingerprint toys, walks;
   for (std::uint32_t seed = 0; seed < 40; ++seed) toys.add(order_of(test::toy_world(seed)));
-  for (std::uint32_t seed = 0; seed < 4; ++seed) walks.add(order_of(long_world(seed)));
+  for (std::uint32_t seed = 0; seed < 4; ++seed) walks.add(order_of(test::long_toy_world(seed)));
   EXPECT_EQ(toys.value(), 17381846647901069397u);
   EXPECT_EQ(walks.value(), 16076668685580989259u);
 }
@@ -226,7 +214,7 @@ TEST(Spectral, VerifiesTwoMembersInTheRecordedOrder) {
 // of members has it.
 TEST(Spectral, JoinsAllMembersBeforeItStrengthens) {
   for (std::uint32_t seed = 0; seed < 10; ++seed) {
-    test::ToyWorld world = long_world(seed);
+    test::ToyWorld world = test::long_toy_world(seed);
     world.sizes = {50, 40, 30, 20};
     world.accept_share = 0.5;
     const auto merger = make_merger(make(world, "spectral"));
@@ -239,7 +227,7 @@ TEST(Spectral, JoinsAllMembersBeforeItStrengthens) {
 }
 
 TEST(Spectral, GoesOnExactlyInTheMiddleOfManyMembers) {
-  test::ToyWorld world = long_world(4);
+  test::ToyWorld world = test::long_toy_world(4);
   world.sizes = {30, 45, 0, 25, 20};
   const MergeInput input = make(world, "spectral");
   const auto whole = make_merger(input);
@@ -256,7 +244,7 @@ TEST(Spectral, GoesOnExactlyInTheMiddleOfManyMembers) {
 }
 
 TEST(Spectral, RefusesAStateWhosePartsDoNotFit) {
-  const MergeInput input = make(long_world(2), "spectral");
+  const MergeInput input = make(test::long_toy_world(2), "spectral");
   const auto merger = make_merger(input);
   run(*merger, stop_when_merger([](const Merger& m) { return m.state().verifications >= 77; }, StopReason::kPaused));
   const MergeState good = merger->state();
