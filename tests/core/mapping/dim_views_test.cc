@@ -1,6 +1,6 @@
 // Real photographs with the light turned down, before a robot that stands still: one vertex, and two dim places are
-// two. Not at the museum, where what is left of a view fills too little of the frame to be told from a camera's own
-// text.
+// two. Not at the museum, whose dim views stay apart: presumably because what is left of them fills too little of the
+// frame to be told from a camera's own text (docs/pictures.md).
 #include <algorithm>
 #include <array>
 #include <cstdint>
