@@ -26,6 +26,10 @@ Json parse_json(std::string_view text) {
         keys.pop_back();
         break;
       case Json::parse_event_t::key:
+        if (keys.back().size() == kMaxJsonFields) {
+          throw ContractError("malformed_json",
+                              "An object has more than " + std::to_string(kMaxJsonFields) + " fields.");
+        }
         if (!keys.back().insert(parsed.get<std::string>()).second) {
           throw ContractError("malformed_json", "The field \"" + parsed.get<std::string>() + "\" appears twice.");
         }

@@ -16,7 +16,16 @@
 namespace mapweld {
 namespace {
 
-constexpr int kMaxScans = 100;  // a progressive file may hold thousands, each a pass over the whole image
+// A progressive file may hold thousands of scans, each a pass over the whole image. Encoders write 10 to 20, and some
+// that search for the smallest file up to 64.
+constexpr std::int64_t kMaxScans = 100;
+constexpr std::int64_t kMaxPixelScans = 400'000'000;  // pixels times scans, where the scans are more than:
+constexpr std::int64_t kAlwaysScans = 20;
+
+std::int64_t max_scans(std::int64_t pixels) {
+  return std::clamp(kMaxPixelScans / std::max<std::int64_t>(pixels, 1), kAlwaysScans, kMaxScans);
+}
+
 constexpr std::array<std::uint8_t, 6> kExifPrefix = {'E', 'x', 'i', 'f', 0, 0};
 
 struct ErrorManager {
@@ -50,7 +59,8 @@ void on_output(j_common_ptr) {}
 
 void on_progress(j_common_ptr codec) {
   auto* decompressor = reinterpret_cast<j_decompress_ptr>(codec);
-  if (decompressor->input_scan_number > kMaxScans) {
+  if (decompressor->input_scan_number >
+      max_scans(std::int64_t{decompressor->image_width} * decompressor->image_height)) {
     ERREXIT(decompressor, JERR_BAD_PROGRESSION);
   }
 }

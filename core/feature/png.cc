@@ -16,9 +16,17 @@
 namespace mapweld {
 namespace {
 
+constexpr png_uint_32 kPixelChunk = 0x49444154;  // "IDAT"
+
+// Compressed bytes that may follow the last row within the stream of pixels: its checksum and what encoders leave. The
+// library inflates whatever is there, a thousand times as much, while it reads the last row.
+constexpr std::size_t kMaxBytesAfterRows = 16 * 1024;
+
 // Frames that setjmp returns to hold nothing with a destructor; what needs one lives here.
 struct Reader {
   std::span<const std::uint8_t> rest;
+  int passes = 1;
+  std::size_t pixel_bytes_left = SIZE_MAX;  // that the stream of pixels may still have
   char message[256] = "";
   png_structp codec = nullptr;
   png_infop info = nullptr;
@@ -45,12 +53,19 @@ struct Reader {
   static void on_read(png_structp codec, png_bytep out, std::size_t count) {
     auto* self = static_cast<Reader*>(png_get_io_ptr(codec));
     if (count > self->rest.size()) png_error(codec, "the file ends too early");
+    if (png_get_io_chunk_type(codec) == kPixelChunk) {
+      if (count > self->pixel_bytes_left) png_error(codec, "the pixels go on after the last row");
+      self->pixel_bytes_left -= count;
+    }
     std::memcpy(out, self->rest.data(), count);
     self->rest = self->rest.subspan(count);
   }
 
   bool read_header() {
     if (setjmp(png_jmpbuf(codec)) != 0) return false;
+    // Texts, profiles and the like are passed over: each may inflate to megabytes, and there may be any number.
+    png_set_keep_unknown_chunks(codec, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
+    png_set_keep_unknown_chunks(codec, PNG_HANDLE_CHUNK_AS_DEFAULT, reinterpret_cast<png_const_bytep>("eXIf"), 1);
     png_read_info(codec, info);
     const int colour = png_get_color_type(codec, info);
     const int depth = png_get_bit_depth(codec, info);
@@ -58,14 +73,22 @@ struct Reader {
     if (colour == PNG_COLOR_TYPE_PALETTE) png_set_palette_to_rgb(codec);
     if (colour == PNG_COLOR_TYPE_GRAY && depth < 8) png_set_expand_gray_1_2_4_to_8(codec);
     if (png_get_valid(codec, info, PNG_INFO_tRNS) != 0) png_set_tRNS_to_alpha(codec);
-    png_set_interlace_handling(codec);
+    passes = png_set_interlace_handling(codec);
     png_read_update_info(codec, info);
     return true;
   }
 
-  bool read_pixels(png_bytepp rows) {
+  bool read_pixels(png_bytepp rows, png_uint_32 height) {
     if (setjmp(png_jmpbuf(codec)) != 0) return false;
-    png_read_image(codec, rows);
+    for (int pass = 0; pass < passes; ++pass) {
+      for (png_uint_32 y = 0; y < height; ++y) {
+        // Of an interlaced image's last pass the last row but one may be the last that holds pixels.
+        if (pass == passes - 1 && (y + 2 == height || height == 1)) {
+          pixel_bytes_left = 2 * png_get_rowbytes(codec, info) + kMaxBytesAfterRows;
+        }
+        png_read_row(codec, rows[y], nullptr);
+      }
+    }
     png_read_end(codec, info);
     return true;
   }
@@ -116,7 +139,7 @@ PngImage read_png_grey(std::span<const std::uint8_t> bytes) {
   }
   std::vector<png_bytep> rows(static_cast<std::size_t>(height));
   for (int y = 0; y < height; ++y) rows[static_cast<std::size_t>(y)] = pixels.ptr(y);
-  if (!reader.read_pixels(rows.data())) reader.fail();
+  if (!reader.read_pixels(rows.data(), static_cast<png_uint_32>(height))) reader.fail();
 
   PngImage image{.grey = grey_of(pixels), .used = used_of(pixels)};
   png_bytep exif = nullptr;

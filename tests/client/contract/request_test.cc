@@ -47,6 +47,18 @@ TEST(ParseJson, RefusesWhatIsNotOneDocument) {
   EXPECT_EQ(parsing(R"({"a":{"a":1},"b":[{"a":1},{"a":2}]})"), "");
 }
 
+TEST(ParseJson, AnObjectHasABoundedNumberOfFields) {
+  const auto object = [](std::size_t fields) {
+    std::string text = "{";
+    for (std::size_t i = 0; i < fields; ++i) text += (i > 0 ? ",\"" : "\"") + std::to_string(i) + "\":0";
+    return text + "}";
+  };
+  EXPECT_EQ(parsing(object(kMaxJsonFields)), "");
+  EXPECT_EQ(parsing("[" + object(kMaxJsonFields) + "," + object(kMaxJsonFields) + "]"), "");
+  EXPECT_TRUE(fails(parsing(object(kMaxJsonFields + 1)), "malformed_json", "256 fields"));
+  EXPECT_TRUE(fails(parsing("{\"a\":" + object(100'000) + "}"), "malformed_json", "256 fields"));
+}
+
 TEST(ParseJson, StopsAtTheDepthLimitWithoutBuilding) {
   const auto nested = [](std::size_t depth, const std::string& open, const std::string& close) {
     std::string text;

@@ -102,6 +102,16 @@ Bytes encode_jpeg(const cv::Mat& bgr, const JpegLayout& layout) {
   codec.arith_code = layout.arithmetic ? TRUE : FALSE;
   codec.restart_in_rows = static_cast<int>(layout.restart_rows);
   if (layout.progressive) jpeg_simple_progression(&codec);
+  std::vector<jpeg_scan_info> script;
+  if (layout.scans > 0) {
+    script.push_back(
+        {.comps_in_scan = codec.num_components, .component_index = {0, 1, 2, 3}, .Ss = 0, .Se = 0, .Ah = 0, .Al = 0});
+    for (int i = 1; i < layout.scans; ++i) {
+      script.push_back({.comps_in_scan = 1, .component_index = {0, 0, 0, 0}, .Ss = i, .Se = i, .Ah = 0, .Al = 0});
+    }
+    codec.scan_info = script.data();
+    codec.num_scans = layout.scans;
+  }
   jpeg_start_compress(&codec, TRUE);
   Bytes row(static_cast<std::size_t>(bgr.cols) * channels);
   for (int y = 0; y < bgr.rows; ++y) {

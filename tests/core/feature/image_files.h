@@ -22,6 +22,7 @@ enum class JpegColours : std::uint8_t { kYcc, kRgb, kCmyk, kYcck };
 struct JpegLayout {
   JpegColours colours = JpegColours::kYcc;  // four inks as Adobe's programs write them: inverted, with their marker
   bool progressive = false;
+  int scans = 0;  // of a progressive file, up to 64: the first coefficients and then one each; 0: the library's choice
   bool arithmetic = false;    // arithmetic coding in place of Huffman's
   unsigned restart_rows = 0;  // a restart marker every so many rows of blocks
 };
