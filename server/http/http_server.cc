@@ -30,7 +30,13 @@ constexpr double kFirstRequestPatience_s = 1;
 struct Current {
   Connection* connection = nullptr;
   std::string request_id;
+  std::string path;
   std::string route;  // pattern; empty: none matched
+  std::string peer;
+  std::string subject;
+  Admission admission;
+  std::uint64_t bytes_in = 0;
+  std::uint64_t bytes_out = 0;
   Stopwatch watch;
 };
 thread_local Current* current = nullptr;
@@ -41,6 +47,14 @@ bool is_request_id(const std::string& id) {
   });
 }
 
+// The values of a field, joined by ", ".
+std::string field_of(const httplib::Request& request, const std::string& name) {
+  std::string joined;
+  const auto [first, last] = request.headers.equal_range(name);
+  for (auto field = first; field != last; ++field) joined += (field == first ? "" : ", ") + field->second;
+  return joined;
+}
+
 Reply reply_of(Code code, const std::string& detail, const std::string& request_id) {
   return problem_reply(contract::problem_of(code, detail, request_id));
 }
@@ -48,7 +62,9 @@ Reply reply_of(Code code, const std::string& detail, const std::string& request_
 void send(httplib::Response& response, Reply reply) {
   response.status = reply.status;
   for (auto& [name, value] : reply.headers) response.set_header(name, value);
+  if (current) current->subject = std::move(reply.subject);
   if (!reply.stream) {
+    if (current) current->bytes_out = reply.body.size();
     if (reply.status != 204) response.set_content(reply.body, reply.content_type);
     return;
   }
@@ -61,10 +77,12 @@ void send(httplib::Response& response, Reply reply) {
             piece.append(text);
             if (piece.size() < kStreamBytes) return true;
             const bool sent = sink.write(piece.data(), piece.size());
+            if (current) current->bytes_out += piece.size();
             piece.clear();
             return sent;
           });
           if (!piece.empty() && !sink.write(piece.data(), piece.size())) return false;
+          if (current) current->bytes_out += piece.size();
           sink.done();
           return true;
         } catch (const std::exception& error) {
@@ -78,8 +96,12 @@ void send(httplib::Response& response, Reply reply) {
 
 class HttpServer::Impl final : public httplib::Server {
  public:
-  Impl(const HttpOptions& options, Router router, Metrics& metrics)
-      : options_(options), router_(std::move(router)), metrics_(metrics), bodies_(options.max_bodies_bytes) {
+  Impl(const HttpOptions& options, Router router, Metrics& metrics, Gate* gate)
+      : options_(options),
+        router_(std::move(router)),
+        metrics_(metrics),
+        gate_(gate),
+        bodies_(options.max_bodies_bytes) {
     new_task_queue = [this] { return new ConnectionQueue(options_.threads, options_.max_waiting, crowd_); };
     set_tcp_nodelay(true);
     set_keep_alive_timeout(std::max(1, options_.connection.idle_timeout_ms / 1000));
@@ -149,19 +171,25 @@ class HttpServer::Impl final : public httplib::Server {
   void serve_connection(socket_t socket) {
     Connection connection(socket, options_.connection, draining_);
     Current request;
-    request.connection = &connection;
     current = &request;
+    int port = 0;
+    std::string peer;
+    connection.get_remote_ip_and_port(peer, port);
     for (int served = 0; served < options_.max_requests_per_connection; ++served) {
       const Stopwatch idle;
       const double patience_s = served == 0 ? kFirstRequestPatience_s : 0;
       if (!connection.wait_for_request([&] { return crowd_ > 0 && idle.elapsed_s() >= patience_s; })) break;
+      request = Current();
+      request.connection = &connection;
       request.request_id = next_request_id();
-      request.route.clear();
-      request.watch = Stopwatch();
+      request.peer = peer;
       const Connection::Head head = connection.read_head();
       if (head == Connection::Head::kClosed) break;
       if (head != Connection::Head::kComplete) {
-        send_plain(connection, explain_head(head, request.request_id));
+        const Reply reply = explain_head(head, request.request_id);
+        send_plain(connection, reply);
+        request.bytes_out = reply.body.size();
+        tell_gate("", reply.status);
         connection.linger();
         break;
       }
@@ -209,6 +237,12 @@ class HttpServer::Impl final : public httplib::Server {
     const std::size_t question = std::min(target.find('?'), target.size());
     const std::string path(target.substr(0, question));
     Router::Match match = router_.match(from.method, path);
+    current->path = path;
+    if (match.route) current->route = match.route->pattern;
+    if (gate_) {
+      current->admission = gate_->admit(head_of(from, match));
+      if (current->admission.reply) return std::move(*current->admission.reply);
+    }
     if (!match.route) {
       if (match.allow.empty()) throw ContractError("no_such_path", "There is nothing under " + path + ".");
       Reply reply = reply_of("method_not_allowed", path + " answers " + match.allow + " only.", current->request_id);
@@ -216,7 +250,6 @@ class HttpServer::Impl final : public httplib::Server {
       return reply;
     }
     const Route& route = *match.route;
-    current->route = route.pattern;
     Request request;
     request.method = from.method;
     request.path = path;
@@ -225,8 +258,38 @@ class HttpServer::Impl final : public httplib::Server {
     request.query.refuse_unknown(route.query);
     request.content_type = current->connection->content_type();
     request.request_id = current->request_id;
+    request.caller = current->admission.caller;
     read_body(route, request.body, reserved);
     return route.handler(request);
+  }
+
+  static RequestHead head_of(const httplib::Request& from, const Router::Match& match) {
+    return {.request_id = current->request_id,
+            .method = from.method,
+            .path = current->path,
+            .route = match.route,
+            .allow = match.allow,
+            .parameters = match.parameters,
+            .authorization = field_of(from, "Authorization"),
+            .origin = field_of(from, "Origin"),
+            .host = field_of(from, "Host"),
+            .content_type = current->connection->content_type(),
+            .peer = current->peer};
+  }
+
+  void tell_gate(const std::string& method, int status) {
+    if (!gate_) return;
+    gate_->finished({.request_id = current->request_id,
+                     .method = method,
+                     .path = current->path,
+                     .route = current->route,
+                     .peer = current->peer,
+                     .subject = current->subject,
+                     .caller = current->admission.caller,
+                     .status = status,
+                     .bytes_in = current->bytes_in,
+                     .bytes_out = current->bytes_out,
+                     .elapsed_s = current->watch.elapsed_s()});
   }
 
   void read_body(const Route& route, std::string& body, std::size_t& reserved) {
@@ -248,7 +311,9 @@ class HttpServer::Impl final : public httplib::Server {
       reserved += bytes;
       return true;
     };
-    switch (connection.read_body(limit, body, reserve)) {
+    const Connection::Body outcome = connection.read_body(limit, body, reserve);
+    current->bytes_in = body.size();
+    switch (outcome) {
       case Connection::Body::kComplete:
         return;
       case Connection::Body::kTooLarge:
@@ -280,6 +345,7 @@ class HttpServer::Impl final : public httplib::Server {
   void finish_headers(httplib::Response& response) const {
     if (!current) return;
     response.set_header("X-Request-Id", current->request_id);
+    for (const auto& [name, value] : current->admission.headers) response.set_header(name, value);
     // What is left of a body would be taken for the next request.
     if (draining_ || !current->connection->body_consumed()) {
       response.headers.erase("Keep-Alive");
@@ -296,6 +362,7 @@ class HttpServer::Impl final : public httplib::Server {
     log_->log(response.status == 500 || response.status == 507 ? spdlog::level::warn : spdlog::level::debug,
               "{} {} {} {} {:.1f} ms", current->request_id, request.method, request.target, response.status,
               elapsed_s * 1e3);
+    tell_gate(request.method, response.status);
   }
 
   std::string next_request_id() {
@@ -308,6 +375,7 @@ class HttpServer::Impl final : public httplib::Server {
   const HttpOptions options_;
   const Router router_;
   Metrics& metrics_;
+  Gate* const gate_;
   const std::shared_ptr<spdlog::logger> log_ = spdlog::default_logger();
   BodyBudget bodies_;
   std::atomic<bool> draining_{false};
@@ -318,8 +386,8 @@ class HttpServer::Impl final : public httplib::Server {
   std::uint64_t id_prefix_ = 0;
 };
 
-HttpServer::HttpServer(const HttpOptions& options, Router router, Metrics& metrics)
-    : impl_(std::make_unique<Impl>(options, std::move(router), metrics)) {}
+HttpServer::HttpServer(const HttpOptions& options, Router router, Metrics& metrics, Gate* gate)
+    : impl_(std::make_unique<Impl>(options, std::move(router), metrics, gate)) {}
 HttpServer::~HttpServer() = default;
 int HttpServer::bind() { return impl_->bind(); }
 void HttpServer::serve() { impl_->serve(); }

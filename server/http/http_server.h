@@ -7,6 +7,7 @@
 #include <string>
 
 #include "server/http/connection.h"
+#include "server/http/gate.h"
 #include "server/http/router.h"
 #include "server/metrics/metrics.h"
 
@@ -26,8 +27,8 @@ struct HttpOptions {
 
 class HttpServer {
  public:
-  // `metrics` must outlive this.
-  HttpServer(const HttpOptions& options, Router router, Metrics& metrics);
+  // `metrics` and `gate` must outlive this. Without a gate everybody is let in.
+  HttpServer(const HttpOptions& options, Router router, Metrics& metrics, Gate* gate = nullptr);
   ~HttpServer();  // after serve() has returned
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;

@@ -5,12 +5,15 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "server/http/caller.h"
 
 namespace mapweld::server {
 
@@ -41,6 +44,7 @@ struct Request {
   std::string content_type;  // as sent, with its parameters; empty when absent
   std::string body;
   std::string request_id;
+  std::shared_ptr<const Caller> caller;  // null: everything may be used
 
   // A parameter of the path pattern. Throws std::out_of_range when the route has none of that name.
   const std::string& parameter(const std::string& name) const { return parameters.at(name); }
@@ -57,6 +61,7 @@ struct Reply {
   std::string content_type;
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers;
+  std::string subject;  // what was changed, where the path does not say: for the log, never sent
   // When set, the body is streamed instead (chunked): called once, after the handler has returned. An exception in it
   // breaks the connection off, so that the client cannot take a part for the whole.
   std::function<void(const ChunkWriter&)> stream;

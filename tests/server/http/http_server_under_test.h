@@ -69,7 +69,7 @@ class HttpServerTest : public ::testing::Test {
                   };
                   return reply;
                 }});
-    server_ = std::make_unique<HttpServer>(options, std::move(router), metrics_);
+    server_ = std::make_unique<HttpServer>(options, std::move(router), metrics_, gate_);
     port_ = server_->bind();
     thread_ = std::thread([this] { server_->serve(); });
   }
@@ -109,6 +109,7 @@ class HttpServerTest : public ::testing::Test {
   }
 
   Metrics metrics_;
+  Gate* gate_ = nullptr;  // set before start()
   std::atomic<int> slow_{0};
   std::unique_ptr<HttpServer> server_;
   int port_ = 0;
