@@ -14,6 +14,7 @@ struct ServerConfig {
   std::filesystem::path data;
   HttpOptions http;
   int extract_threads = 0;                          // 0: one a core
+  int decoders = 0;                                 // processes that decode images (DecoderPool); 0: this one does
   int merge_workers = 1;                            // merges that run at the same time
   int verify_threads = 0;                           // on which merges verify pairs; 0: one a core
   double checkpoint_interval_s = 0.5;               // of a running merge, where checkpoints are cheap enough

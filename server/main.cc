@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", std::string(mapweld::server::version()));
   app.require_subcommand(1);
   mapweld::server::add_serve_command(app);
+  mapweld::server::add_decode_command(app);
   mapweld::add_train_command(app);
   mapweld::server::add_check_command(app);
   mapweld::server::add_evaluate_command(app);

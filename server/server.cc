@@ -10,10 +10,12 @@
 
 #include <spdlog/spdlog.h>
 
+#include "core/feature/allocation.h"
 #include "core/geometry/epipolar_verifier.h"
 #include "schema/data_folder.h"
 #include "schema/map_store.h"
 #include "server/api/api.h"
+#include "server/decoding/decoder_pool.h"
 #include "server/jobs/merge_jobs.h"
 #include "server/judge_worker.h"
 #include "server/maps/map_cache.h"
@@ -37,6 +39,12 @@ MergeJobOptions job_options(const ServerConfig& config) {
   return options;
 }
 
+std::unique_ptr<DecoderPool> make_decoders(const ServerConfig& config) {
+  if (config.decoders == 0) return nullptr;
+  return std::make_unique<DecoderPool>(
+      DecoderPoolOptions{.processes = config.decoders, .max_file_bytes = config.http.max_body_bytes});
+}
+
 // How long after stop() the images of requests under way are still stored.
 constexpr std::chrono::seconds kUploadGrace{3};
 
@@ -49,14 +57,15 @@ class Server::Impl {
         store_(folder_.store()),
         cache_(store_, config.cache_mb * 1024 * 1024),
         opener_(store_, cache_),
-        workers_(config.extract_threads > 0 ? config.extract_threads : cores()),
+        decoders_(make_decoders(config)),
+        workers_(config.extract_threads > 0 ? config.extract_threads : cores(), give_back_freed_memory),
         vocabularies_(store_),
         jobs_(store_, job_options(config)),
         merges_(store_, jobs_, opener_),
         maps_(store_, opener_, vocabularies_, [this](std::int64_t merge) { merges_.remove(merge); }),
-        masks_(store_),
-        images_(store_, cache_, vocabularies_, workers_, metrics_),
-        localization_(store_, opener_, vocabularies_, workers_, metrics_),
+        masks_(store_, decoder()),
+        images_(store_, cache_, vocabularies_, workers_, decoder(), metrics_),
+        localization_(store_, opener_, vocabularies_, workers_, decoder(), metrics_),
         quality_(store_),
         http_(config.http, routes(), metrics_),
         segments_(store_),
@@ -103,6 +112,8 @@ class Server::Impl {
                         .ready = [this] { return !stopping_ && has_vocabulary(); }});
   }
 
+  ImageDecoder& decoder() { return decoders_ ? static_cast<ImageDecoder&>(*decoders_) : local_decoder_; }
+
   bool has_vocabulary() const {
     try {
       vocabularies_.resolve(store_.read(), std::nullopt);
@@ -133,6 +144,10 @@ class Server::Impl {
                        [this] { return static_cast<double>(store_.statistics().commits); });
     metrics_.add_gauge("store_wal_pages", "Pages in the write-ahead log after the last commit.",
                        [this] { return static_cast<double>(store_.statistics().wal_pages); });
+    if (decoders_) {
+      metrics_.add_gauge("decoders_replaced", "Processes that decoded images and died over one.",
+                         [this] { return static_cast<double>(decoders_->replaced()); });
+    }
     metrics_.add_gauge("edges_verified", "Edges of all maps, inner and inter edges, each once.",
                        [this] { return static_cast<double>(edges_verified_and_confirmed().first); });
     metrics_.add_gauge("edges_confirmed", "Of them, those that are edges of their maps.",
@@ -160,6 +175,8 @@ class Server::Impl {
   Store& store_;
   MapCache cache_;
   MapOpener opener_;
+  const std::unique_ptr<DecoderPool> decoders_;  // null: images are decoded in this process
+  LocalDecoder local_decoder_;
   WorkerPool workers_;
   VocabularyService vocabularies_;
   MergeJobs jobs_;

@@ -8,4 +8,8 @@ namespace mapweld {
 // threads; the core never does. Does nothing on a C library without mallopt.
 void keep_freed_memory();
 
+// Gives what is kept back to the kernel; takes some milliseconds. Any thread. Does nothing on a C library without
+// malloc_trim.
+void give_back_freed_memory();
+
 }  // namespace mapweld

@@ -94,6 +94,7 @@ ImageHeader read_image_header(std::span<const std::uint8_t> bytes) {
 DecodedImage decode_image(std::span<const std::uint8_t> bytes, const DecodeOptions& options) {
   DecodedImage image;
   if (read_format(bytes) == ImageHeader::Format::kPng) {
+    image.format = ImageHeader::Format::kPng;
     const ImageHeader header = read_png_header(bytes);
     refuse_large(header.width_px, header.height_px, options);
     const PngImage png = read_png_grey(bytes);

@@ -26,6 +26,7 @@ struct ImageHeader {
 ImageHeader read_image_header(std::span<const std::uint8_t> bytes);
 
 struct DecodedImage {
+  ImageHeader::Format format = ImageHeader::Format::kJpeg;
   cv::Mat grey;  // CV_8UC1
   cv::Mat
       used;  // CV_8UC1 of the same size: 0 where the picture is wholly transparent, else 255; empty: all of it is used

@@ -65,11 +65,10 @@ void fill(Level& level) {
 
 }  // namespace
 
-cv::Mat decode_mask(std::span<const std::uint8_t> png) {
-  if (read_image_header(png).format != ImageHeader::Format::kPng) {
+cv::Mat mask_of(const DecodedImage& image) {
+  if (image.format != ImageHeader::Format::kPng) {
     throw ImageError("unsupported_image", "A mask is a PNG: white where an image is used, black where it is not.");
   }
-  const DecodedImage image = decode_image(png, {.stretch = false});
   double brightest = 0;
   cv::minMaxLoc(image.grey, nullptr, &brightest, nullptr, nullptr, image.used);
   if (brightest == 0) throw ImageError("empty_mask", "The mask is black all over: no image would have a feature.");

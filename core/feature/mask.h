@@ -2,17 +2,16 @@
 // leaves (the robot's own body, a logo, the black corners of a lens).
 #pragma once
 
-#include <cstdint>
-#include <span>
-
 #include <opencv2/core/mat.hpp>
+
+#include "core/feature/decode.h"
 
 namespace mapweld {
 
-// A mask from a PNG file: CV_8UC1, 255 where a pixel is used, 0 elsewhere. Used is what is at least half as bright as
-// the file's brightest pixel (so 0 and 1 are as good as black and white) and not wholly transparent; EXIF orientation
-// applied. Throws ImageError: unsupported_image (no PNG), empty_mask (nothing is used), and as decode_image.
-cv::Mat decode_mask(std::span<const std::uint8_t> png);
+// A mask from a PNG file that was decoded without stretching: CV_8UC1, 255 where a pixel is used, 0 elsewhere. Used is
+// what is at least half as bright as the file's brightest pixel (so 0 and 1 are as good as black and white) and not
+// wholly transparent. Throws ImageError: unsupported_image (no PNG), empty_mask (nothing is used).
+cv::Mat mask_of(const DecodedImage& image);
 
 // What both leave of an image of `size`; empty when that is all of it. `used`: of the image's size, or empty; `mask`:
 // of any size, scaled to the image's by the nearest pixel, or empty.

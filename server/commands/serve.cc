@@ -1,5 +1,6 @@
 #include "server/commands/serve.h"
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <csignal>
@@ -17,6 +18,7 @@
 
 #include "core/feature/allocation.h"
 #include "server/config.h"
+#include "server/decoding/decoder_process.h"
 #include "server/server.h"
 #include "server/version.h"
 
@@ -110,6 +112,7 @@ void add_serve_command(CLI::App& app) {
   const auto config = std::make_shared<ServerConfig>();
   const auto max_body_mb = std::make_shared<std::size_t>(config->http.max_body_bytes >> 20);
   const auto vocabulary = std::make_shared<std::string>();
+  const auto decoders = std::make_shared<int>(-1);
   CLI::App* command = app.add_subcommand("serve", "Serves the maps of a data folder over HTTP");
   command->add_option("--data", config->data, "Data folder; created when missing")->envname("MAPWELD_DATA")->required();
   command->add_option("--host", config->http.host, "Address to listen on")
@@ -127,6 +130,13 @@ void add_serve_command(CLI::App& app) {
       ->envname("MAPWELD_EXTRACT_THREADS")
       ->check(CLI::Range(0, 256))
       ->capture_default_str();
+  command
+      ->add_option(
+          "--decoders", *decoders,
+          "Processes that decode images, each in a sandbox; 0: decode in the server itself. Default: as many as "
+          "images are analysed at the same time")
+      ->envname("MAPWELD_DECODERS")
+      ->check(CLI::Range(0, 256));
   command->add_option("--workers", config->merge_workers, "Merges that run at the same time")
       ->envname("MAPWELD_WORKERS")
       ->check(CLI::Range(1, 64))
@@ -157,9 +167,13 @@ void add_serve_command(CLI::App& app) {
       ->envname("MAPWELD_LOG_LEVEL")
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}))
       ->capture_default_str();
-  command->callback([config, max_body_mb, vocabulary] {
+  command->callback([config, max_body_mb, vocabulary, decoders] {
     config->http.max_body_bytes = *max_body_mb << 20;
     config->http.max_bodies_bytes = std::max(config->http.max_bodies_bytes, 2 * config->http.max_body_bytes);
+    const int extract_threads = config->extract_threads > 0
+                                    ? config->extract_threads
+                                    : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    config->decoders = *decoders >= 0 ? *decoders : extract_threads;
     if (!vocabulary->empty()) config->vocabulary = *vocabulary;
     try {
       serve(*config);
@@ -168,6 +182,12 @@ void add_serve_command(CLI::App& app) {
       throw CLI::RuntimeError(1);
     }
   });
+}
+
+void add_decode_command(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("decode-images", "What the server starts to decode images in a sandbox");
+  command->group("");  // not for people
+  command->callback([] { throw CLI::RuntimeError(run_decoder_process()); });
 }
 
 }  // namespace mapweld::server

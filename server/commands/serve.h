@@ -11,4 +11,7 @@ namespace mapweld::server {
 // server could not start, 0 after it was asked to stop.
 void add_serve_command(CLI::App& app);
 
+// The hidden subcommand `decode-images` (server/decoding/decoder_process.h).
+void add_decode_command(CLI::App& app);
+
 }  // namespace mapweld::server

@@ -1,6 +1,5 @@
 #include "server/services/image_analyzer.h"
 
-#include "core/feature/decode.h"
 #include "core/feature/extractor.h"
 #include "core/feature/mask.h"
 #include "core/vocabulary/appearance_vector.h"
@@ -8,11 +7,11 @@
 namespace mapweld::server {
 
 AnalyzedImage analyze(std::span<const std::uint8_t> bytes, const Vocabulary& vocabulary, int max_features,
-                      const cv::Mat& mask, Metrics& metrics) {
+                      const cv::Mat& mask, ImageDecoder& decoder, Metrics& metrics) {
   Stopwatch watch;
   AnalyzedImage image;
-  image.media_type = read_image_header(bytes).format == ImageHeader::Format::kPng ? "image/png" : "image/jpeg";
-  const DecodedImage decoded = decode_image(bytes);
+  const DecodedImage decoded = decoder.decode(bytes, true);
+  image.media_type = decoded.format == ImageHeader::Format::kPng ? "image/png" : "image/jpeg";
   image.width_px = decoded.grey.cols;
   image.height_px = decoded.grey.rows;
   const cv::Mat used = combined_masks(decoded.used, mask, decoded.grey.size());

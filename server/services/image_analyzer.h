@@ -10,6 +10,7 @@
 
 #include "core/types.h"
 #include "core/vocabulary/vocabulary.h"
+#include "server/decoding/image_decoder.h"
 #include "server/metrics/metrics.h"
 
 namespace mapweld::server {
@@ -26,6 +27,6 @@ struct AnalyzedImage {
 // `mask`: of the map (core/feature/mask.h), of any size; empty: it has none. Pure but for the stopwatch; any thread.
 // Throws ImageError for bytes that are no usable image.
 AnalyzedImage analyze(std::span<const std::uint8_t> bytes, const Vocabulary& vocabulary, int max_features,
-                      const cv::Mat& mask, Metrics& metrics);
+                      const cv::Mat& mask, ImageDecoder& decoder, Metrics& metrics);
 
 }  // namespace mapweld::server

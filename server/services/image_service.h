@@ -25,9 +25,9 @@ struct ImageServiceOptions {
 class ImageService {
  public:
   // Everything given must outlive this.
-  ImageService(Store& store, MapCache& cache, VocabularyService& vocabularies, WorkerPool& workers, Metrics& metrics,
-               const ImageServiceOptions& options = {})
-      : context_{store, cache, vocabularies, workers, metrics, options.max_group} {}
+  ImageService(Store& store, MapCache& cache, VocabularyService& vocabularies, WorkerPool& workers,
+               ImageDecoder& decoder, Metrics& metrics, const ImageServiceOptions& options = {})
+      : context_{store, cache, vocabularies, workers, decoder, metrics, options.max_group} {}
 
   // Returns when the outcome is durable. The same name with the same bytes gets the first outcome again.
   // Throws ContractError no_such_map, map_is_merged, wrong_map (`map_uuid` is another map's), invalid_name, name_taken,

@@ -37,15 +37,17 @@ contract::Localization LocalizeService::localize(const std::string& map_name, co
   {
     const ReadTransaction db = store_.read();
     map = require_map(db, map_name);
-    mask = load_mask(db, map.id);
+    mask = load_mask(db, map.id, decoder_);
   }
   const MapParameters parameters = settings_of(map).parameters;
   const std::shared_ptr<const Vocabulary> vocabulary = vocabularies_.load(map.vocabulary);
   AnalyzedImage image;
   {
     WorkerPool::Lane lane(workers_);
-    image =
-        lane.submit([&] { return analyze(query.image, *vocabulary, parameters.max_features, mask, metrics_); }).get();
+    image = lane.submit([&] {
+                  return analyze(query.image, *vocabulary, parameters.max_features, mask, decoder_, metrics_);
+                })
+                .get();
   }
 
   const Stopwatch watch;

@@ -8,6 +8,7 @@
 
 #include "client/contract/image.h"
 #include "schema/store.h"
+#include "server/decoding/image_decoder.h"
 #include "server/maps/map_opener.h"
 #include "server/metrics/metrics.h"
 #include "server/services/vocabulary_service.h"
@@ -26,8 +27,13 @@ class LocalizeService {
  public:
   // Everything given must outlive this.
   LocalizeService(Store& store, MapOpener& opener, VocabularyService& vocabularies, WorkerPool& workers,
-                  Metrics& metrics)
-      : store_(store), opener_(opener), vocabularies_(vocabularies), workers_(workers), metrics_(metrics) {}
+                  ImageDecoder& decoder, Metrics& metrics)
+      : store_(store),
+        opener_(opener),
+        vocabularies_(vocabularies),
+        workers_(workers),
+        decoder_(decoder),
+        metrics_(metrics) {}
 
   // In a plain or merged map; in the latter also while its merge runs. A plain map's mask is laid over the query.
   // Throws ContractError no_such_map, empty_body; ImageError; StoreError.
@@ -38,6 +44,7 @@ class LocalizeService {
   MapOpener& opener_;
   VocabularyService& vocabularies_;
   WorkerPool& workers_;
+  ImageDecoder& decoder_;
   Metrics& metrics_;
 };
 

@@ -26,7 +26,7 @@ MapRow require_plain_map(const Reader& db, const std::string& name) {
 
 void MaskService::set(const std::string& map, std::span<const std::uint8_t> png) {
   require_plain_map(store_.read(), map);
-  const cv::Mat mask = decode_mask(png);
+  const cv::Mat mask = mask_of(decoder_.decode(png, false));
   MaskRow row;
   row.sha256 = sha256(png);
   row.width_px = mask.cols;
@@ -52,9 +52,9 @@ void MaskService::clear(const std::string& map) {
   if (clear_mask(db, require_plain_map(db, map).id)) db.commit();
 }
 
-cv::Mat load_mask(const Reader& db, MapId map) {
+cv::Mat load_mask(const Reader& db, MapId map, ImageDecoder& decoder) {
   const auto bytes = load_mask_bytes(db, map);
-  return bytes ? decode_mask(*bytes) : cv::Mat();
+  return bytes ? mask_of(decoder.decode(*bytes, false)) : cv::Mat();
 }
 
 }  // namespace mapweld::server

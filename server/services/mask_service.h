@@ -8,6 +8,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "schema/store.h"
+#include "server/decoding/image_decoder.h"
 #include "server/services/map_service.h"
 
 namespace mapweld::server {
@@ -15,8 +16,8 @@ namespace mapweld::server {
 // Thread-safe. Throws ContractError no_such_map; StoreError.
 class MaskService {
  public:
-  // `store` must outlive this.
-  explicit MaskService(Store& store) : store_(store) {}
+  // Both must outlive this.
+  MaskService(Store& store, ImageDecoder& decoder) : store_(store), decoder_(decoder) {}
 
   // From now on the images that the map takes in and queries into it are masked; what it has stays. map_is_merged;
   // ImageError unsupported_image, undecodable_image, image_too_large, empty_mask, empty_body. Then nothing changes.
@@ -27,9 +28,10 @@ class MaskService {
 
  private:
   Store& store_;
+  ImageDecoder& decoder_;
 };
 
 // The mask of a map for core/feature/mask.h; empty when it has none.
-cv::Mat load_mask(const Reader& db, MapId map);
+cv::Mat load_mask(const Reader& db, MapId map, ImageDecoder& decoder);
 
 }  // namespace mapweld::server

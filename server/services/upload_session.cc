@@ -46,7 +46,7 @@ UploadSession::UploadSession(UploadContext& context, const std::string& map_name
     throw ContractError("wrong_map", "The map \"" + map_name + "\" has another uuid: it is not the one you mean.");
   }
   settings_ = settings_of(map_);
-  mask_ = load_mask(db, map_.id);
+  mask_ = load_mask(db, map_.id, context.decoder);
   vocabulary_ = context.vocabularies.load(map_.vocabulary);
   verifier_ = make_verifier({.min_inliers = settings_.parameters.min_inliers});
   try {
@@ -98,7 +98,8 @@ UploadSession::Prepared UploadSession::prepare(const ImageUpload& upload) const 
 }
 
 AnalyzedImage UploadSession::analyzed(const ImageUpload& upload) const {
-  return analyze(upload.bytes, *vocabulary_, settings_.parameters.max_features, mask_, context_.metrics);
+  return analyze(upload.bytes, *vocabulary_, settings_.parameters.max_features, mask_, context_.decoder,
+                 context_.metrics);
 }
 
 std::optional<UploadSession::Pending> UploadSession::receive(const ImageUpload& upload, std::future<Prepared>& future,

@@ -35,6 +35,7 @@ struct UploadContext {
   MapCache& cache;
   VocabularyService& vocabularies;
   WorkerPool& workers;
+  ImageDecoder& decoder;
   Metrics& metrics;
   int max_group = 16;  // images of a batch that are stored in one transaction
 

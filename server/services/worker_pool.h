@@ -17,7 +17,8 @@ namespace mapweld::server {
 // behind a batch of sixty-four.
 class WorkerPool {
  public:
-  explicit WorkerPool(int threads);
+  // `when_idle`: called on a worker once nothing has been to do for some seconds after work; must not throw.
+  explicit WorkerPool(int threads, std::function<void()> when_idle = {});
   ~WorkerPool();  // all lanes must be closed
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
@@ -58,6 +59,9 @@ class WorkerPool {
   std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<Lane*> turns_;  // lanes with tasks
+  const std::function<void()> when_idle_;
+  int working_ = 0;
+  bool worked_ = false;  // since when_idle_ was called
   bool stopping_ = false;
   std::vector<std::thread> threads_;
 };

@@ -183,9 +183,11 @@ TEST(Mask, IsScaledByTheNearestPixel) {
   EXPECT_EQ(cv::countNonZero(combined_masks(used, mask, {8, 6})), 8 * 6 - 12 - 1);
 }
 
+cv::Mat mask_in(const Bytes& png) { return mask_of(decode_image(png, {.stretch = false})); }
+
 std::string code_of(const Bytes& bytes) {
   try {
-    decode_mask(bytes);
+    mask_in(bytes);
   } catch (const ImageError& error) {
     return error.code();
   }
@@ -194,20 +196,20 @@ std::string code_of(const Bytes& bytes) {
 
 TEST(Mask, FromAFile) {
   const cv::Mat used = some_mask({64, 48});
-  EXPECT_EQ(cv::norm(decode_mask(test::encode(".png", used)), used, cv::NORM_INF), 0);
-  EXPECT_EQ(cv::norm(decode_mask(test::encode(".png", used / 255)), used, cv::NORM_INF), 0) << "0 and 1";
+  EXPECT_EQ(cv::norm(mask_in(test::encode(".png", used)), used, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(mask_in(test::encode(".png", used / 255)), used, cv::NORM_INF), 0) << "0 and 1";
   cv::Mat colour;
   cv::cvtColor(used, colour, cv::COLOR_GRAY2BGR);
-  EXPECT_EQ(cv::norm(decode_mask(test::encode(".png", colour)), used, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(mask_in(test::encode(".png", colour)), used, cv::NORM_INF), 0);
   cv::Mat wide;
   used.convertTo(wide, CV_16U, 257);
-  EXPECT_EQ(cv::norm(decode_mask(test::encode(".png", wide)), used, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(mask_in(test::encode(".png", wide)), used, cv::NORM_INF), 0);
   // White, and transparent where it is not used.
   const test::PngLayout layout{.width_px = 64, .height_px = 48, .colour = test::PngColour::kGreyAlpha};
   const Bytes alpha = test::encode_png(layout, [&](int x, int y) {
     return std::array<std::uint16_t, 4>{255, used.at<std::uint8_t>(y, x)};
   });
-  EXPECT_EQ(cv::norm(decode_mask(alpha), used, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(mask_in(alpha), used, cv::NORM_INF), 0);
   EXPECT_EQ(code_of(test::encode(".jpg", used)), "unsupported_image");
   EXPECT_EQ(code_of(test::encode(".png", cv::Mat(9, 9, CV_8UC1, cv::Scalar(0)))), "empty_mask");
   EXPECT_EQ(code_of({}), "empty_body");

@@ -284,7 +284,8 @@ TEST_F(MergedMap, AnswersTheSameWhenItsMembersDoNotFitIntoMemory) {
   server::MapCache cache(services_.store(), 0);
   server::MapOpener opener(services_.store(), cache);
   server::WorkerPool workers(1);
-  server::LocalizeService from_store(services_.store(), opener, services_.vocabularies(), workers, metrics);
+  server::LocalDecoder decoder;
+  server::LocalizeService from_store(services_.store(), opener, services_.vocabularies(), workers, decoder, metrics);
   for (int step = 0; step < 7; ++step) {
     const std::string image = photo_jpeg(1, step);
     server::LocalizeQuery query;

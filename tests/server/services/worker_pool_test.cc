@@ -63,5 +63,22 @@ TEST(WorkerPool, AClosedLaneForgetsItsTasks) {
   EXPECT_EQ(begun, at_close);
 }
 
+TEST(WorkerPool, TellsOnceThatItIsIdle) {
+  std::atomic<int> told{0};
+  std::promise<void> first;
+  WorkerPool pool(3, [&] {
+    if (told++ == 0) first.set_value();
+  });
+  {
+    WorkerPool::Lane lane(pool);
+    std::vector<std::future<void>> done;
+    for (int i = 0; i < 20; ++i) done.push_back(lane.submit([&told] { EXPECT_EQ(told, 0); }));
+    for (auto& task : done) task.get();
+  }
+  EXPECT_EQ(first.get_future().wait_for(60s), std::future_status::ready);
+  std::this_thread::sleep_for(50ms);
+  EXPECT_EQ(told, 1);
+}
+
 }  // namespace
 }  // namespace mapweld::server

@@ -29,9 +29,9 @@ struct ServicesUnderTest::Running {
         jobs(store, job_options()),
         merges(store, jobs, opener),
         maps(store, opener, vocabularies, [this](std::int64_t merge) { merges.remove(merge); }),
-        masks(store),
-        images(store, cache, vocabularies, workers, metrics, options.images),
-        localization(store, opener, vocabularies, workers, metrics),
+        masks(store, decoder),
+        images(store, cache, vocabularies, workers, decoder, metrics, options.images),
+        localization(store, opener, vocabularies, workers, decoder, metrics),
         quality(store) {
     if (!vocabularies.set_default_from_store()) vocabularies.add("words", small_vocabulary().serialize());
     jobs.start();
@@ -41,6 +41,7 @@ struct ServicesUnderTest::Running {
   MapCache cache;
   MapOpener opener;
   WorkerPool workers;
+  LocalDecoder decoder;
   VocabularyService vocabularies;
   MergeJobs jobs;
   MergeService merges;
