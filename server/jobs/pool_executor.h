@@ -1,6 +1,8 @@
 // Verifying pairs on all cores: core's Executor over a pool of threads.
 #pragma once
 
+#include <memory>
+
 #include "core/merge/executor.h"
 #include "server/services/worker_pool.h"
 
@@ -14,6 +16,7 @@ class PoolExecutor final : public Executor {
 
   std::size_t concurrency() const override { return static_cast<std::size_t>(pool_.threads()) + 1; }
   void run(std::size_t pieces, const std::function<void(std::size_t)>& piece) const override;
+  std::unique_ptr<TaskLine> open_line() const override;
 
  private:
   WorkerPool& pool_;

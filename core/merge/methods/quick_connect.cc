@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <unordered_set>
 #include <utility>
 
 #include "core/errors.h"
@@ -174,10 +175,10 @@ void QuickConnect::upcoming(std::size_t most, std::vector<Candidate>& candidates
     return;
   }
   // Of one source only the first: when it passes, the others are postponed.
+  std::unordered_set<VertexId> sources;
   for (std::size_t i = search.pending_next; i < search.pending.size() && candidates.size() < most; ++i) {
     const Candidate& c = search.pending[i];
-    const bool is_first = std::ranges::find(candidates, c.source, &Candidate::source) == candidates.end();
-    if (is_first && !search.source_processed[row(c.source)]) candidates.push_back(c);
+    if (!search.source_processed[row(c.source)] && sources.insert(c.source).second) candidates.push_back(c);
   }
 }
 

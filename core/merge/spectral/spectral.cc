@@ -127,6 +127,11 @@ void Spectral::upcoming(std::size_t most, std::vector<Candidate>& candidates) co
   for (std::size_t i = search.pending_next; i < search.pending.size() && candidates.size() < most; ++i) {
     candidates.push_back(search.pending[i]);
   }
+  if (!order_) return;
+  for (const std::uint32_t c : order_->expected()) {
+    if (candidates.size() >= most) return;
+    candidates.push_back(search.postponed[c]);
+  }
 }
 
 std::vector<Candidate> Spectral::candidates_left() const {

@@ -21,6 +21,8 @@ struct Scored {
 
 double squared(double x) { return x * x; }
 
+constexpr std::size_t kLeastExpected = 64;  // as many as can be verified while an epoch begins
+
 }  // namespace
 
 SpectralSchedule::SpectralSchedule(const AppearanceGraph& graph, const SpectralOptions& options)
@@ -220,6 +222,20 @@ std::vector<std::uint32_t> SpectralOrder::next_batch() {
     }
   }
   gain_->set_metric(metric);
+  // The runners-up, as if no verdict changed anything.
+  expected_.clear();
+  const auto expect_next_of = [&](const std::vector<std::uint32_t>& list, std::size_t& next) {
+    if (next < list.size()) expected_.push_back(list[next++]);
+  };
+  while (expected_.size() < std::max(size, kLeastExpected) && !queue.empty()) {
+    for (std::uint32_t i = 1; i < std::max(options_.quickconnect_share, 2U) && !queue.empty(); ++i) {
+      expected_.push_back(shortlist_[queue.pop().candidate]);
+    }
+    if (cursors.next < quickconnect_.size()) expected_.push_back(quickconnect_[cursors.next++].candidate);
+    expect_next_of(certificate_.within, next_within);
+    expect_next_of(certificate_.joining, next_joining);
+  }
+  std::erase_if(expected_, [this](std::uint32_t c) { return is_picked_[c] || has_verdict(c); });
   for (const std::uint32_t c : batch) is_picked_[c] = false;
   return batch;
 }

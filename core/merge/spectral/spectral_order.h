@@ -103,6 +103,8 @@ class SpectralOrder {
   // begins. Requires a verdict for each of the former batch.
   std::vector<std::uint32_t> next_batch();
   void note(Verdict verdict);
+  // What the batch after this one may hold; a guess, and nothing after restore().
+  const std::vector<std::uint32_t>& expected() const { return expected_; }
 
   // On a fresh order: as after the batch that began with verification number `batch_began` (counted from 0) was chosen,
   // and these verdicts noted. Costs one embedding. Throws FormatError when no batch begins there.
@@ -132,6 +134,7 @@ class SpectralOrder {
   std::vector<std::uint8_t> is_joined_;  // by vertex: it has an inter edge
   std::vector<std::uint32_t> passed_;    // not yet taken into schedule and gain, in order
   std::vector<bool> is_picked_;          // by candidate: for the batch that is being chosen
+  std::vector<std::uint32_t> expected_;
   JoinWorth join_worth_;
   // Of the epoch:
   std::optional<ConnectivityGain> gain_;
