@@ -1,9 +1,11 @@
 #include "core/guard/alias_guard.h"
 
 #include <algorithm>
+#include <exception>
 #include <optional>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include "core/guard/beliefs.h"
 #include "core/guard/edge_fullness.h"
@@ -42,7 +44,7 @@ void append_links(const LinkLists& own, const std::vector<VertexId>& vertices, L
 
 struct AliasGuard::Parts {
   Parts(const std::vector<MergeMember>& members, std::span<const VerifiedEdge> inner_edges,
-        const AppearanceSource& source, const GuardOptions& chosen)
+        const AppearanceSource& source, const GuardOptions& chosen, const Executor* executor)
       : appearances(source),
         options(chosen),
         places(places_of(members)),
@@ -56,17 +58,34 @@ struct AliasGuard::Parts {
       own[u.member].push_back({VertexId{u.own}, VertexId{v.own}, inner_edges[e].inlier_matches});
       numbers[u.member].push_back(e);
     }
+    make_maps(members, own, executor);
     inner_verdicts.resize(inner_edges.size());
     for (std::size_t m = 0; m < members.size(); ++m) {
       const std::vector<VertexId>& vertices = members[m].vertices;
-      maps.emplace_back(
-          static_cast<std::uint32_t>(vertices.size()),
-          [&](std::uint32_t v) { return appearances.appearances(vertices[v]); }, own[m], options);
       for (std::size_t k = 0; k < own[m].size(); ++k) inner_verdicts[numbers[m][k]] = maps[m].verdicts()[k];
       append_links(maps[m].around(), vertices, around);
       append_links(maps[m].passing(), vertices, passing);
     }
     beliefs.emplace(around, passing, options.model, false);
+  }
+
+  void make_maps(const std::vector<MergeMember>& members, const std::vector<std::vector<VerifiedEdge>>& own,
+                 const Executor* executor) {
+    std::vector<std::optional<GuardedMap>> made(members.size());
+    std::vector<std::exception_ptr> failed(members.size());
+    run_pieces(executor, members.size(), [&](std::size_t m) {
+      const std::vector<VertexId>& vertices = members[m].vertices;
+      const auto image = [&](std::uint32_t v) { return appearances.appearances(vertices[v]); };
+      try {
+        made[m].emplace(static_cast<std::uint32_t>(vertices.size()), image, own[m], options, executor);
+      } catch (...) {
+        failed[m] = std::current_exception();
+      }
+    });
+    for (std::size_t m = 0; m < members.size(); ++m) {
+      if (failed[m]) std::rethrow_exception(failed[m]);
+      maps.push_back(std::move(*made[m]));
+    }
   }
 
   Place place(VertexId v) const { return to_index(v) < places.size() ? places[to_index(v)] : Place{}; }
@@ -107,8 +126,8 @@ struct AliasGuard::Parts {
 };
 
 AliasGuard::AliasGuard(std::vector<MergeMember> members, std::span<const VerifiedEdge> inner_edges,
-                       const AppearanceSource& appearances, const GuardOptions& options)
-    : parts_(std::make_unique<Parts>(members, inner_edges, appearances, options)) {}
+                       const AppearanceSource& appearances, const GuardOptions& options, const Executor* executor)
+    : parts_(std::make_unique<Parts>(members, inner_edges, appearances, options, executor)) {}
 AliasGuard::~AliasGuard() = default;
 AliasGuard::AliasGuard(AliasGuard&&) noexcept = default;
 

@@ -24,9 +24,10 @@ namespace mapweld {
 class AliasGuard {
  public:
   // `inner_edges`: the verified edges inside the members, in merged numbers. Reads the appearance vectors of all
-  // members; what the source throws passes through. `appearances` must outlive this object.
+  // members; what the source throws passes through. `appearances` must outlive this object. With an executor, which is
+  // used here only, members are looked at side by side; the result is the same.
   AliasGuard(std::vector<MergeMember> members, std::span<const VerifiedEdge> inner_edges,
-             const AppearanceSource& appearances, const GuardOptions& options = {});
+             const AppearanceSource& appearances, const GuardOptions& options = {}, const Executor* executor = nullptr);
   ~AliasGuard();
   AliasGuard(AliasGuard&&) noexcept;
 

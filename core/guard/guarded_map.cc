@@ -45,8 +45,9 @@ double way_odds(std::uint32_t vertices, std::span<const VerifiedEdge> edges, dou
 }  // namespace
 
 GuardedMap::GuardedMap(std::uint32_t vertices, const ImageLookup& images, std::span<const VerifiedEdge> edges,
-                       const GuardOptions& options)
+                       const GuardOptions& options, const Executor* executor)
     : fullness_(vertices, 0), rarity_(images, verified_neighbours(vertices, edges)) {
+  rarity_.learn_linked(executor);
   std::vector<EdgeSigns> signs(edges.size());
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const std::uint32_t u = to_index(edges[e].u), v = to_index(edges[e].v);

@@ -10,6 +10,7 @@
 #include "core/guard/own_rarity.h"
 #include "core/guard/verdict.h"
 #include "core/guard/verified_edge.h"
+#include "core/merge/executor.h"
 
 namespace mapweld {
 
@@ -18,9 +19,10 @@ namespace mapweld {
 class GuardedMap {
  public:
   // Images 0 .. vertices-1; `edges`: all verified ones between them, each once. What `images` throws passes through;
-  // std::invalid_argument for an edge beyond the images or their appearances.
+  // std::invalid_argument for an edge beyond the images or their appearances. With an executor part of the work is done
+  // on its threads; the result is the same.
   GuardedMap(std::uint32_t vertices, const ImageLookup& images, std::span<const VerifiedEdge> edges,
-             const GuardOptions& options);
+             const GuardOptions& options, const Executor* executor = nullptr);
 
   // By edge, as given.
   const std::vector<GuardVerdict>& verdicts() const { return verdicts_; }

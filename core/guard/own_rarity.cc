@@ -64,14 +64,25 @@ int OwnRarity::rare_matches(std::uint32_t u, OwnRarity& other, std::uint32_t v, 
   return both;
 }
 
-void OwnRarity::learn(std::uint32_t vertex) {
+void OwnRarity::learn_linked(const Executor* executor) {
+  constexpr std::size_t kVertices = 64;  // of a piece
+  const std::size_t vertices = neighbours_.size();
+  run_pieces(executor, (vertices + kVertices - 1) / kVertices, [&](std::size_t piece) {
+    NearTo near(vertices, 0);
+    for (std::size_t v = piece * kVertices; v < std::min(vertices, (piece + 1) * kVertices); ++v) {
+      if (!neighbours_[v].empty()) learn(static_cast<std::uint32_t>(v), near);
+    }
+  });
+}
+
+void OwnRarity::learn(std::uint32_t vertex, NearTo& near_to) {
   Known& known = known_[vertex];
   if (known.is_known) return;
   const std::uint32_t stamp = vertex + 1;
   std::uint32_t near = 0;
   const auto mark = [&](std::uint32_t v) {
-    near += near_[v] == stamp ? 0 : 1;
-    near_[v] = stamp;
+    near += near_to[v] == stamp ? 0 : 1;
+    near_to[v] = stamp;
   };
   mark(vertex);
   for (const std::uint32_t n : neighbours_[vertex]) {
@@ -86,7 +97,7 @@ void OwnRarity::learn(std::uint32_t vertex) {
     for (std::uint32_t k = offsets_[static_cast<std::size_t>(word)]; k < offsets_[static_cast<std::size_t>(word) + 1];
          ++k) {
       const Holder& holder = holders_[k];
-      if (near_[holder.vertex] == stamp) continue;
+      if (near_to[holder.vertex] == stamp) continue;
       const Signature& other = images_[holder.vertex]->appearances[holder.appearance].signature;
       if (hamming_distance(appearances[i].signature, other) <= kSameThing) {
         known.rare[i] = false;

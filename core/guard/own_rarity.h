@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/guard/verified_edge.h"
+#include "core/merge/executor.h"
 #include "core/types.h"
 
 namespace mapweld {
@@ -21,6 +22,10 @@ class OwnRarity {
   // `neighbours[v]`: the vertices that verify v, ascending. Reads every image once; what `images` throws passes
   // through. Memory: eight bytes an appearance, beside the images.
   OwnRarity(ImageLookup images, std::vector<std::vector<std::uint32_t>> neighbours);
+
+  // Finds out about the vertices that links verify, as the other functions do about one when it is first asked for. In
+  // pieces; those of a null executor one by one.
+  void learn_linked(const Executor* executor);
 
   // Images of the map that are far from v: not v, no verified link to it, no common neighbour.
   std::uint32_t far_images(std::uint32_t vertex);
@@ -43,7 +48,10 @@ class OwnRarity {
     double common_share = 0;
     std::vector<bool> rare;
   };
-  void learn(std::uint32_t vertex);
+  // Of each vertex the last one that it was found near to, and one more; 0 for none.
+  using NearTo = std::vector<std::uint32_t>;
+  void learn(std::uint32_t vertex, NearTo& near);
+  void learn(std::uint32_t vertex) { learn(vertex, near_); }
 
   std::vector<std::vector<std::uint32_t>> neighbours_;
   std::vector<std::shared_ptr<const AppearanceVector>> images_;
@@ -51,7 +59,7 @@ class OwnRarity {
   std::vector<std::uint32_t> offsets_;  // into holders_, by word
   std::vector<Holder> holders_;
   std::vector<Known> known_;
-  std::vector<std::uint32_t> near_;  // scratch: stamp of the vertex that it is near to
+  NearTo near_;  // scratch
 };
 
 }  // namespace mapweld

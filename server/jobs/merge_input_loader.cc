@@ -101,7 +101,8 @@ std::optional<MergeState> load_state(const Reader& db, JobId job) {
 }  // namespace
 
 std::optional<LoadedMerge> load_merge(const Reader& db, JobId job, const VerifierFactory& verifier,
-                                      const std::function<bool()>& should_stop) {
+                                      const std::function<bool()>& should_stop,
+                                      std::shared_ptr<const Executor> executor) {
   std::optional<MergeRow> row = find_merge(db, job);
   if (!row) throw std::out_of_range("there is no merge " + std::to_string(to_index(job)));
   const std::optional<MapRow> map = find_map(db, row->map);
@@ -121,13 +122,16 @@ std::optional<LoadedMerge> load_merge(const Reader& db, JobId job, const Verifie
   if (parameters.alias_guard) {
     GuardOptions options;
     options.min_confidence = parameters.min_confidence;
-    loaded.guard = std::make_shared<AliasGuard>(loaded.input.members, inner, *loaded.input.appearances, options);
+    loaded.guard =
+        std::make_shared<AliasGuard>(loaded.input.members, inner, *loaded.input.appearances, options, executor.get());
     keep_confirmed(loaded.input.inner_edges, loaded.guard->inner_verdicts());
     loaded.judgements = load_judgements(db, row->map);
   }
   loaded.input.verifier =
       verifier({.min_inliers = parameters.min_inliers, .max_false_alarms = parameters.max_false_alarms});
-  loaded.input.options = {row->method, parameters.min_votes, parameters.votes, row->seed, parameters.serves_certificate};
+  loaded.input.options = {row->method, parameters.min_votes, parameters.votes, row->seed,
+                          parameters.serves_certificate};
+  loaded.input.executor = std::move(executor);
   loaded.state = load_state(db, job);
   loaded.row = std::move(*row);
   return loaded;

@@ -38,9 +38,11 @@ class UnusableState : public std::runtime_error {
 };
 
 // Appearances of all members up to their watermarks come into memory. Nothing is returned when `should_stop` says so in
-// between. Throws UnusableState, StoreError for anything else that is damaged, std::out_of_range without such a merge.
+// between. An executor works for the guard here, and for the merger later; null: one thread. Throws UnusableState,
+// StoreError for anything else that is damaged, std::out_of_range without such a merge.
 std::optional<LoadedMerge> load_merge(const Reader& db, JobId job, const VerifierFactory& verifier,
-                                      const std::function<bool()>& should_stop);
+                                      const std::function<bool()>& should_stop,
+                                      std::shared_ptr<const Executor> executor = nullptr);
 
 // Whether members have grown since the state was stored: nothing of its search is then of use.
 bool has_grown(const LoadedMerge& loaded);

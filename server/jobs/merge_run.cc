@@ -38,8 +38,7 @@ RunEnd end_of_failure(const std::string& error) { return {JobState::kFailed, "er
 
 class Run {
  public:
-  Run(Store& store, JobId job, RunControl& control, const MergeJobOptions& options,
-      std::shared_ptr<const Executor> executor, LoadedMerge loaded)
+  Run(Store& store, JobId job, RunControl& control, const MergeJobOptions& options, LoadedMerge loaded)
       : store_(store),
         job_(job),
         control_(control),
@@ -48,7 +47,6 @@ class Run {
         metrics_pacer_(options.metrics_interval_s, options.metrics_cost_share / 2),
         certificate_pacer_(options.metrics_interval_s, options.metrics_cost_share / 2),
         metrics_interval_s_(options.metrics_interval_s) {
-    loaded.input.executor = std::move(executor);
     std::optional<std::uint64_t> fingerprint;
     if (loaded.state) {
       edges_stored_ = loaded.state->edges.size();
@@ -318,13 +316,14 @@ RunOutcome fail(Store& store, JobId job, const RunControl& control, const std::s
 RunOutcome run_merge(Store& store, JobId job, RunControl& control, const MergeJobOptions& options,
                      std::shared_ptr<const Executor> executor) {
   try {
-    std::optional<LoadedMerge> loaded =
-        load_merge(store.read(), job, options.verifier, [&control] { return control.command() != RunCommand::kNone; });
+    std::optional<LoadedMerge> loaded = load_merge(
+        store.read(), job, options.verifier, [&control] { return control.command() != RunCommand::kNone; },
+        std::move(executor));
     if (!loaded) {
       end_unloaded(store, job, control);
       return {};
     }
-    Run(store, job, control, options, std::move(executor), std::move(*loaded)).execute();
+    Run(store, job, control, options, std::move(*loaded)).execute();
     return {};
   } catch (const FencedOff&) {
     return {};

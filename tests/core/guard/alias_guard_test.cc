@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/core/guard/guard_world.h"
+#include "tests/support/thread_executor.h"
 
 namespace mapweld {
 namespace {
@@ -215,6 +216,31 @@ TEST(AliasGuard, TheOrderOfTheMembersDoesNotMatter) {
     const GuardWorld world = random_world(seed);
     EXPECT_EQ(world.exchanged().verdicts(), world.verdicts()) << "seed " << seed;
   }
+}
+
+TEST(AliasGuard, SaysTheSameWithSeveralThreads) {
+  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+    std::mt19937 random(seed);
+    GuardWorld world({150, 70, 90});
+    for (std::uint32_t v = 0; v < 310; ++v) {
+      for (std::size_t f = 0; f < 100; f += 2) world.set_word(v, f, random() % 400);
+    }
+    for (int k = 0; k < 60; ++k) {
+      world.join(world.at(0, random() % 150), world.at(1, random() % 70), static_cast<std::uint16_t>(random() % 50));
+    }
+    const test::ThreadExecutor executor;
+    AliasGuard serial = world.guard(), parallel = world.guard(&executor);
+    EXPECT_GT(executor.pieces(), 3u);
+    EXPECT_TRUE(serial.inner_verdicts() == parallel.inner_verdicts());
+    EXPECT_TRUE(serial.verdicts(world.edges()) == parallel.verdicts(world.edges()));
+  }
+}
+
+TEST(AliasGuard, WhatOneThreadThrowsComesOut) {
+  GuardWorld world({5, 5});
+  world.link(world.at(1, 0), world.at(1, 4), 101);  // matches beyond its features
+  const test::ThreadExecutor executor;
+  EXPECT_THROW(world.guard(&executor), std::invalid_argument);
 }
 
 }  // namespace

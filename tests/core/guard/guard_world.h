@@ -59,7 +59,7 @@ class GuardWorld {
   GuardOptions options;
 
   // The source stays with the world.
-  AliasGuard guard() const {
+  AliasGuard guard(const Executor* executor = nullptr) const {
     std::vector<std::shared_ptr<const AppearanceVector>> vectors;
     for (const auto& v : images_) {
       AppearanceVector sorted = v;
@@ -67,7 +67,7 @@ class GuardWorld {
       vectors.push_back(std::make_shared<const AppearanceVector>(std::move(sorted)));
     }
     tables_.push_back(std::make_shared<AppearanceTable>(std::move(vectors)));
-    return AliasGuard(members_, inner_, *tables_.back(), options);
+    return AliasGuard(members_, inner_, *tables_.back(), options, executor);
   }
   std::vector<GuardVerdict> verdicts(const std::vector<MergeEdge>& edges) const {
     guard();  // makes a source
