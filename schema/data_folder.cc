@@ -100,11 +100,19 @@ void create_database(const fs::path& file) {
 
 class DataFolder::Lock {
  public:
-  // Not taken when another process has it: ask held().
-  explicit Lock(const fs::path& file) {
+  // Not taken when another process has it: ask held(). The folder itself is locked beside the file: whoever removes
+  // the file lets no second server in. Some network file systems lock no folders; there the file has to do.
+  explicit Lock(const fs::path& file)
+      : folder_(::open(file.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
     descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-    if (descriptor_ < 0) throw system_error_of(errno, "cannot open " + file.string());
+    if (descriptor_ < 0) {
+      const int error = errno;
+      ::close(folder_);
+      throw system_error_of(error, "cannot open " + file.string());
+    }
+    const bool folder_taken = ::flock(folder_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
     if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) {
+      if (folder_taken) return;
       held_ = true;
       // For people only: a reader of this file may find a process that is gone.
       const std::string text = std::to_string(::getpid()) + "\n";
@@ -114,13 +122,17 @@ class DataFolder::Lock {
     const int error = errno;
     if (error != EWOULDBLOCK) {
       ::close(descriptor_);
+      ::close(folder_);
       throw system_error_of(error, "cannot lock " + file.string());
     }
     std::array<char, 32> text{};
     const auto length = ::pread(descriptor_, text.data(), text.size(), 0);
     if (length > 0) holder_ = std::string(text.data(), std::strcspn(text.data(), "\n"));
   }
-  ~Lock() { ::close(descriptor_); }
+  ~Lock() {
+    ::close(descriptor_);
+    ::close(folder_);
+  }
   Lock(const Lock&) = delete;
   Lock& operator=(const Lock&) = delete;
 
@@ -128,6 +140,7 @@ class DataFolder::Lock {
   const std::string& holder() const { return holder_; }
 
  private:
+  const int folder_;
   int descriptor_ = -1;
   bool held_ = false;
   std::string holder_;

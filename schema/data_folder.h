@@ -16,7 +16,7 @@ struct DataFolderOptions {
   // kServe: takes the lock, creates what is missing, brings an older schema up to date.
   // kInspect: changes nothing, reads only, also beside a running server; keeps a server from starting when none runs.
   enum class Access : std::uint8_t { kServe, kInspect } access = Access::kServe;
-  StoreOptions store;
+  StoreOptions store{.reserve_bytes = std::uint64_t{16} << 20};
 };
 
 // Opens a data folder and keeps it locked for as long as it lives; when the process dies, however it does, the lock is

@@ -20,18 +20,26 @@ StoreErrorKind kind_of(int extended, int system_errno) {
       return StoreErrorKind::kCorrupt;
     case SQLITE_NOTADB:
       return StoreErrorKind::kForeignDatabase;
+    case SQLITE_CANTOPEN:
+      if (system_errno == EMFILE || system_errno == ENFILE) return StoreErrorKind::kNoResources;
+      return StoreErrorKind::kNoPermission;
     case SQLITE_PERM:
     case SQLITE_READONLY:
-    case SQLITE_CANTOPEN:
     case SQLITE_AUTH:
       return StoreErrorKind::kNoPermission;
+    case SQLITE_NOMEM:
+      return StoreErrorKind::kNoResources;
     case SQLITE_CONSTRAINT:
     case SQLITE_MISMATCH:
     case SQLITE_TOOBIG:
       return StoreErrorKind::kConstraint;
     case SQLITE_IOERR:
       // The VFS tells a full disk as SQLITE_FULL where it writes pages, but not where it grows the shared memory file.
-      return system_errno == ENOSPC || system_errno == EDQUOT ? StoreErrorKind::kNoSpace : StoreErrorKind::kIo;
+      if (system_errno == ENOSPC || system_errno == EDQUOT) return StoreErrorKind::kNoSpace;
+      if (system_errno == EMFILE || system_errno == ENFILE || extended == SQLITE_IOERR_NOMEM) {
+        return StoreErrorKind::kNoResources;
+      }
+      return StoreErrorKind::kIo;
     default:
       return StoreErrorKind::kInternal;
   }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <sqlite3.h>
+#include <sys/stat.h>
 
 namespace mapweld {
 
@@ -23,7 +24,9 @@ ReadTransaction::~ReadTransaction() {
   if (owned_) store_->give_back(std::move(owned_));
 }
 
-WriteTransaction::WriteTransaction(Store& store) : Reader(nullptr), store_(&store), turn_(store.writer_turn_) {
+WriteTransaction::WriteTransaction(Store& store, bool may_use_reserve)
+    : Reader(nullptr), store_(&store), turn_(store.writer_turn_) {
+  if (may_use_reserve) store.reserve_.release_when_short();
   connection_ = store.writer_.get();
   transaction_ = std::make_unique<Transaction>(*connection_, Transaction::Kind::kWrite);
 }
@@ -34,10 +37,12 @@ WriteTransaction::~WriteTransaction() { rollback(); }
 
 void WriteTransaction::commit() {
   if (!transaction_) throw StoreError(StoreErrorKind::kInternal, "the transaction is finished already");
+  store_->refuse_when_gone();
   transaction_->commit();
   store_->after_commit();
   transaction_.reset();
   turn_.unlock();
+  store_->refuse_when_gone();
 }
 
 void WriteTransaction::rollback() noexcept {
@@ -46,10 +51,17 @@ void WriteTransaction::rollback() noexcept {
   turn_.unlock();
 }
 
-Store::Store(const std::filesystem::path& file, const StoreOptions& options) : file_(file), options_(options) {
+Store::Store(const std::filesystem::path& file, const StoreOptions& options)
+    : file_(file),
+      wal_(file),
+      options_(options),
+      reserve_(file.parent_path() / "mapweld.reserve", options.reserve_bytes) {
+  wal_ += "-wal";
   next_checkpoint_pages_ = options_.checkpoint_pages;
   next_restart_pages_ = options_.restart_pages;
   if (options_.read_only) return;
+  opened_ = identity_of(file_);
+  reserve_.release_when_short();  // opening may need room itself
   writer_ = std::make_unique<Connection>(file_, sqlite::OpenMode::kReadWrite);
   writer_->set_busy_timeout_ms(options_.busy_timeout_ms);
   writer_->execute("PRAGMA cache_size = -" + std::to_string(options_.writer_cache_kib));
@@ -61,6 +73,7 @@ Store::Store(const std::filesystem::path& file, const StoreOptions& options) : f
   if (mode != "wal") throw StoreError(StoreErrorKind::kIo, file_.string() + " cannot be kept in WAL mode here");
   // Once the WAL is moved, its file shrinks to this size again.
   writer_->execute("PRAGMA journal_size_limit = " + std::to_string(std::uint64_t{options_.restart_pages} * 4096));
+  reserve_.restore();
   sqlite3_wal_hook(
       writer_->handle(),
       [](void* store, sqlite3*, const char*, int pages) {
@@ -75,9 +88,26 @@ Store::~Store() {
   if (writer_) move_wal(SQLITE_CHECKPOINT_TRUNCATE);
 }
 
-WriteTransaction Store::write() {
+WriteTransaction Store::write(Purpose purpose) {
   if (options_.read_only) throw StoreError(StoreErrorKind::kNoPermission, file_.string() + " is opened for reading");
-  return WriteTransaction(*this);
+  return WriteTransaction(*this, purpose == Purpose::kDelete);
+}
+
+std::optional<Store::Identity> Store::identity_of(const std::filesystem::path& file) {
+  struct stat status {};
+  if (::stat(file.c_str(), &status) != 0) return std::nullopt;
+  return Identity{static_cast<std::uint64_t>(status.st_dev), static_cast<std::uint64_t>(status.st_ino)};
+}
+
+bool Store::in_place() const {
+  if (!opened_) return true;
+  return identity_of(file_) == opened_ && (!wal_known_ || identity_of(wal_) == opened_wal_);
+}
+
+void Store::refuse_when_gone() const {
+  if (!in_place()) {
+    throw StoreError(StoreErrorKind::kGone, file_.string() + " was removed, replaced or unmounted while it is in use");
+  }
 }
 
 ReadTransaction Store::read() {
@@ -94,6 +124,7 @@ ReadTransaction Store::read() {
 }
 
 std::unique_ptr<Connection> Store::open_reader() {
+  refuse_when_gone();  // another database may stand there
   auto reader = std::make_unique<Connection>(file_, sqlite::OpenMode::kReadOnly);
   reader->set_busy_timeout_ms(options_.busy_timeout_ms);
   reader->execute("PRAGMA cache_size = -" + std::to_string(options_.reader_cache_kib));
@@ -151,8 +182,15 @@ void Store::after_commit() noexcept {
       next_restart_pages_ = move_wal(SQLITE_CHECKPOINT_RESTART) ? options_.restart_pages : 2 * wal_pages_;
     }
   }
+  if (!wal_known_) {
+    // A WAL that is gone already is none that will be there: what in_place() compares it with never comes.
+    opened_wal_ = identity_of(wal_).value_or(Identity{});
+    wal_known_ = true;
+  }
+  constexpr std::uint64_t kCommitsBetweenLooks = 64;
+  if (++commits_ % kCommitsBetweenLooks == 0) reserve_.restore();
   const std::lock_guard lock(mutex_);
-  ++statistics_.commits;
+  statistics_.commits = commits_;
   statistics_.wal_pages = wal_pages_;
 }
 

@@ -12,15 +12,18 @@
 // `WriteTransaction` to write.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "schema/database.h"
+#include "schema/space_reserve.h"
 
 namespace mapweld {
 
@@ -31,6 +34,7 @@ struct StoreOptions {
   int busy_timeout_ms = 5'000;              // how long to wait for a lock that another process holds
   std::uint64_t writer_cache_kib = 16'384;  // page cache of the writer
   std::uint64_t reader_cache_kib = 4'096;   // page cache of each reader
+  std::uint64_t reserve_bytes = 0;          // kept free on the disk for deleting (space_reserve.h); 0: none
   std::uint32_t idle_readers = 16;          // read-only connections kept open when nobody reads
 };
 
@@ -80,14 +84,15 @@ class WriteTransaction final : public Reader {
  public:
   WriteTransaction(WriteTransaction&& other) noexcept;
   ~WriteTransaction();
-  // Makes everything written durable and lets the next writer in. Throws kNoSpace, kIo, ...: then nothing is written.
+  // Makes everything written durable and lets the next writer in. Throws kNoSpace, kIo, ...: then nothing is written;
+  // kGone: the database is no longer where it was, and nothing is claimed.
   void commit();
   // Forgets everything written and lets the next writer in. Nothing happens when it is finished already.
   void rollback() noexcept;
 
  private:
   friend class Store;
-  explicit WriteTransaction(Store& store);
+  WriteTransaction(Store& store, bool may_use_reserve);
   Store* store_;
   std::unique_lock<std::mutex> turn_;
   std::unique_ptr<sqlite::Transaction> transaction_;
@@ -102,10 +107,18 @@ class Store {
   Store(const Store&) = delete;
   Store& operator=(const Store&) = delete;
 
+  enum class Purpose : std::uint8_t {
+    kStore,
+    kDelete,  // may use the reserve when the disk is full
+  };
   // Thread-safe. Throws kBusy when another process writes.
-  WriteTransaction write();
+  WriteTransaction write(Purpose purpose = Purpose::kStore);
   // Thread-safe; opens another connection when all are in use.
   ReadTransaction read();
+
+  // Whether the database and its WAL are still the files that were opened: a folder may be removed, replaced or
+  // unmounted under a running server, and what is written then is in no file that anybody will find. Thread-safe.
+  bool in_place() const;
 
   // Thread-safe.
   StoreStatistics statistics() const;
@@ -126,9 +139,24 @@ class Store {
   void after_commit() noexcept;
   bool move_wal(int how) noexcept;  // one of SQLITE_CHECKPOINT_*; true when all of it was moved
 
+  // A file by what it is, whatever its name.
+  struct Identity {
+    std::uint64_t device = 0;
+    std::uint64_t inode = 0;
+    bool operator==(const Identity&) const = default;
+  };
+  static std::optional<Identity> identity_of(const std::filesystem::path& file);
+  void refuse_when_gone() const;
+
   std::filesystem::path file_;
+  std::filesystem::path wal_;
   StoreOptions options_;
+  std::optional<Identity> opened_;
+  std::atomic<bool> wal_known_ = false;  // once true, opened_wal_ stays as it is
+  Identity opened_wal_;
   std::mutex writer_turn_;
+  SpaceReserve reserve_;  // this and the next: guarded by writer_turn_
+  std::uint64_t commits_ = 0;
   std::unique_ptr<sqlite::Connection> writer_;
   std::uint32_t wal_pages_ = 0;         // told by SQLite after each commit; guarded by writer_turn_
   std::uint32_t wal_pages_before_ = 0;  // this and what follows: guarded by writer_turn_

@@ -24,6 +24,10 @@ std::string_view to_string(StoreErrorKind kind) {
       return "no_permission";
     case StoreErrorKind::kConstraint:
       return "constraint";
+    case StoreErrorKind::kNoResources:
+      return "no_resources";
+    case StoreErrorKind::kGone:
+      return "gone";
     case StoreErrorKind::kIo:
       return "io";
     case StoreErrorKind::kInternal:

@@ -21,6 +21,8 @@ enum class StoreErrorKind : std::uint8_t {
   kFolderInUse,      // another process serves this data folder
   kNoPermission,     // the folder or file cannot be read or written with this user's rights
   kConstraint,       // a row breaks a constraint of its table: a broken request of the caller, never of a user
+  kNoResources,      // the process has no file descriptor or memory left for it: try again
+  kGone,             // the database was removed, replaced or unmounted under the running process
   kIo,               // the operating system failed to read or write
   kInternal,         // SQL that does not compile, misuse: a defect of the program
 };

@@ -109,7 +109,7 @@ class Server::Impl {
                         .localization = localization_,
                         .quality = quality_,
                         .merges = merges_,
-                        .ready = [this] { return !stopping_ && has_vocabulary(); }});
+                        .ready = [this] { return !stopping_ && store_.in_place() && has_vocabulary(); }});
   }
 
   ImageDecoder& decoder() { return decoders_ ? static_cast<ImageDecoder&>(*decoders_) : local_decoder_; }

@@ -23,6 +23,10 @@ Verdict of_store(const StoreError& error) {
       return {"no_space", "The server's disk or quota is full. Nothing was stored."};
     case StoreErrorKind::kBusy:
       return {"busy", "The database is held by another process. Try again."};
+    case StoreErrorKind::kNoResources:
+      return {"busy", "The server is short of file descriptors or memory. Try again."};
+    case StoreErrorKind::kGone:
+      return {"internal_error", "The server's data folder was removed or replaced while it runs. Nothing was stored."};
     default:
       return {"internal_error", "The server could not use its database. Nothing was stored."};
   }

@@ -182,7 +182,7 @@ MergeStatus status_of(const MergeRow& row, const std::vector<MemberRow>& members
   } else if (row.checkpoint_at) {
     status.checkpoint = {row.step, std::max(0.0, seconds_between(*row.checkpoint_at, now))};
   }
-  status.stop_reason = row.stop_reason;
+  status.stop_reason = progress.waits_for_space ? std::optional<std::string>("no_space") : row.stop_reason;
   status.error = row.error;
   status.created_at = row.created_at;
   return status;

@@ -219,7 +219,7 @@ void MergeJobs::remove(std::int64_t id) {
   {
     const auto control = workers_->control();
     run = workers_->run_of(job);
-    WriteTransaction db = store_.write();
+    WriteTransaction db = store_.write(Store::Purpose::kDelete);
     switch (delete_merge(db, job)) {
       case DeleteOutcome::kNotFound:
         throw MergeJobError("no_such_merge", "There is no merge " + std::to_string(id) + ".");

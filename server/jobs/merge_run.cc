@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -13,6 +15,7 @@
 #include "core/merge/run.h"
 #include "schema/blobs/merge_state_blob.h"
 #include "schema/merge_store.h"
+#include "schema/store_error.h"
 #include "server/jobs/merge_eta.h"
 #include "server/jobs/merge_input_loader.h"
 #include "server/jobs/merge_job_rows.h"
@@ -31,6 +34,10 @@ constexpr double kMetricsShareOfPast = 0.05;  // a young merge changes fast: mea
 constexpr double kCurveSpacing =
     1.02;  // a point of the curve is kept when so much more time has passed than at the last
 
+// A full disk is tried again after kSpaceSlices slices; in between the run listens.
+constexpr std::chrono::milliseconds kSpaceSlice{50};
+constexpr int kSpaceSlices = 10;
+
 // The job was deleted, or claimed by somebody else: this run has nothing to say any more.
 struct FencedOff {};
 
@@ -46,7 +53,8 @@ class Run {
         checkpoints_(options.checkpoint_interval_s, options.checkpoint_cost_share),
         metrics_pacer_(options.metrics_interval_s, options.metrics_cost_share / 2),
         certificate_pacer_(options.metrics_interval_s, options.metrics_cost_share / 2),
-        metrics_interval_s_(options.metrics_interval_s) {
+        metrics_interval_s_(options.metrics_interval_s),
+        log_(options.log) {
     std::optional<std::uint64_t> fingerprint;
     if (loaded.state) {
       edges_stored_ = loaded.state->edges.size();
@@ -216,7 +224,7 @@ class Run {
     checkpoint.edges = edges;
     checkpoint.curve_points = curve_;
     checkpoint.now = now();
-    {
+    while_there_is_space([&] {
       WriteTransaction db = store_.write();
       const PairVerifier& verifier = *merger_->input().verifier;
       if (!edges.empty()) checkpoint.verifier = intern_verifier(db, verifier.version(), to_row(verifier.options()));
@@ -225,7 +233,7 @@ class Run {
       set_judgements(db, row_.map, judgements.changed);
       if (end && !end_run(db, job_, control_.epoch(), *end)) throw FencedOff{};
       db.commit();
-    }
+    });
     mark_ = blobs::mark_of(state);
     edges_stored_ = state.edges.size();
     edge_times_s_.clear();
@@ -235,6 +243,35 @@ class Run {
     publish();
     checkpoint_cost_s_ = elapsed_s() - began_s;
     checkpoints_.done(began_s, elapsed_s());
+  }
+
+  // A full disk is waited for: what was found stays in memory, and the time is not the merge's. When the server stops
+  // meanwhile, the merge goes on from its last checkpoint at the next start.
+  template <typename Write>
+  void while_there_is_space(const Write& write) {
+    const auto full_since = Clock::now();
+    bool told = false;
+    while (true) {
+      try {
+        write();
+        break;
+      } catch (const StoreError& error) {
+        if (error.kind() != StoreErrorKind::kNoSpace) throw;
+      }
+      if (!told && log_) log_("merge " + std::to_string(to_index(job_)) + " waits: the disk is full");
+      told = true;
+      progress_.waits_for_space = true;
+      control_.publish(progress_);
+      for (int slice = 0; slice < kSpaceSlices; ++slice) {
+        if (control_.command() == RunCommand::kShutDown || control_.command() == RunCommand::kAbandon)
+          throw FencedOff{};
+        std::this_thread::sleep_for(kSpaceSlice);
+      }
+    }
+    if (!told) return;
+    progress_.waits_for_space = false;
+    began_ += Clock::now() - full_since;
+    if (log_) log_("merge " + std::to_string(to_index(job_)) + " goes on: there is space again");
   }
 
   void finish(const std::optional<StopReason>& reason) {
@@ -271,6 +308,7 @@ class Run {
   Pacer certificate_pacer_;
   std::unique_ptr<MergeWatch> watch_;
   double metrics_interval_s_;
+  std::function<void(const std::string&)> log_;
 
   std::optional<blobs::MergeStateMark> mark_;  // what of the state is stored
   std::size_t edges_stored_ = 0;

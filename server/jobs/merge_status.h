@@ -35,7 +35,7 @@ struct MergeParameters {
   VoteRule votes = VoteRule::kMin;
   bool alias_guard = false;  // confirm only what core/guard/alias_guard.h confirms; otherwise every edge is
   double min_confidence = kDefaultMinConfidence;  // of a confirmed edge, where the guard judges; 0 .. 1
-  bool serves_certificate = false;  // of `spectral`: MergeOptions
+  bool serves_certificate = false;                // of `spectral`: MergeOptions
   friend bool operator==(const MergeParameters&, const MergeParameters&) = default;
 };
 
@@ -110,7 +110,8 @@ struct MergeStatus {
   MergeBudget remaining;        // what is left of it
   std::optional<double> eta_s;  // until the merge is complete; null while nothing can be said honestly
   std::optional<CheckpointAge> checkpoint;
-  std::optional<std::string> stop_reason;  // seconds, verifications, edges, fraction_of_maximum, paused, error
+  std::optional<std::string> stop_reason;  // seconds, verifications, edges, fraction_of_maximum, paused, error;
+                                           // while it runs: no_space, it waits for room on the disk
   std::optional<std::string> error;
   Timestamp created_at;
 };

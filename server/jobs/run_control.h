@@ -34,6 +34,7 @@ struct Certified {
 // The numbers of a job at one moment; what a status shows and a checkpoint's `progress` keeps.
 struct MergeProgress {
   std::string phase = "voting";
+  bool waits_for_space = false;  // the disk is full; the run goes on when it is not
   std::uint64_t step = 0;
   std::uint64_t words_done = 0;
   std::uint64_t words_total = 0;

@@ -110,7 +110,7 @@ void MapService::remove(const std::string& name) {
   if (merge) {
     remove_merge_(to_index(merge->id));
   } else {
-    WriteTransaction db = store_.write();
+    WriteTransaction db = store_.write(Store::Purpose::kDelete);
     switch (delete_map(db, map.id)) {
       case DeleteOutcome::kDeleted:
         break;

@@ -74,6 +74,56 @@ TEST(DataFolder, ASecondServerIsRefusedAndToldWhoHasIt) {
   EXPECT_THAT(error.what(), testing::HasSubstr(std::to_string(::getpid())));
 }
 
+TEST(DataFolder, RemovingTheLockLetsNoSecondServerIn) {
+  const TempFolder temp;
+  const DataFolder first(temp.path());
+  fs::remove(temp.path() / "mapweld.lock");
+  EXPECT_EQ(refused(temp.path()).kind(), StoreErrorKind::kFolderInUse);
+}
+
+// Whoever writes to a database that nobody will find again must not be told that it is stored.
+TEST(DataFolder, WhatIsWrittenToADatabaseThatWasTakenAwayIsNotClaimed) {
+  const auto refusal = [](Store& store) {
+    try {
+      WriteTransaction db = store.write();
+      db.prepare("PRAGMA user_version").run();
+      db.commit();
+      return std::string("claimed");
+    } catch (const StoreError& error) {
+      return std::string(to_string(error.kind()));
+    }
+  };
+  const TempFolder temp;
+  const auto open = [&](const char* name) {
+    auto data = std::make_unique<DataFolder>(temp.path() / name);
+    test::add_vocabulary(data->store());
+    EXPECT_TRUE(data->store().in_place());
+    EXPECT_EQ(refusal(data->store()), "claimed");
+    return data;
+  };
+  const auto removed = open("removed");
+  fs::remove_all(temp.path() / "removed");
+  EXPECT_FALSE(removed->store().in_place());
+  EXPECT_EQ(refusal(removed->store()), "gone");
+
+  const auto replaced = open("replaced");
+  fs::rename(temp.path() / "replaced", temp.path() / "elsewhere");
+  { const DataFolder other(temp.path() / "replaced"); }
+  EXPECT_FALSE(replaced->store().in_place());
+  EXPECT_EQ(refusal(replaced->store()), "gone");
+  std::vector<ReadTransaction> readers;  // more than are open already
+  const auto read = [&] {
+    for (int i = 0; i < 3; ++i) readers.push_back(replaced->store().read());
+  };
+  EXPECT_THROW(read(), StoreError) << "nobody reads from another database";
+  readers.clear();
+
+  const auto without_wal = open("without-wal");
+  fs::remove(temp.path() / "without-wal" / "mapweld.db-wal");
+  EXPECT_FALSE(without_wal->store().in_place());
+  EXPECT_EQ(refusal(without_wal->store()), "gone");
+}
+
 TEST(DataFolder, ADeadServerHoldsNoLock) {
   const TempFolder temp;
   int ready[2];

@@ -41,10 +41,25 @@ bool mount_small(const fs::path& folder, int megabytes) {
   return ::mount("tmpfs", folder.c_str(), "tmpfs", 0, options.c_str()) == 0;
 }
 
+std::string delete_while_full(Store& store, MapId map) {
+  try {
+    WriteTransaction db = store.write();
+    if (delete_map(db, map) != DeleteOutcome::kDeleted) return "it cannot be deleted";
+    db.commit();
+    return "there is room to delete without the reserve: the test shows nothing";
+  } catch (const StoreError& error) {
+    if (error.kind() != StoreErrorKind::kNoSpace) return error.what();
+  }
+  WriteTransaction db = store.write(Store::Purpose::kDelete);
+  if (delete_map(db, map) != DeleteOutcome::kDeleted) return "it cannot be deleted";
+  db.commit();
+  return {};
+}
+
 // What went wrong; empty when all is well.
 std::string fill_and_go_on(const fs::path& folder) {
   const fs::path ballast = folder / "ballast";
-  std::ofstream(ballast) << std::string(2 << 20, 'x');
+  std::ofstream(ballast) << std::string(1 << 20, 'x');
   std::uint32_t acknowledged = 0;
   MapId map{};
   VocabularyId vocabulary{};
@@ -62,9 +77,14 @@ std::string fill_and_go_on(const fs::path& folder) {
     return {};
   };
   {
-    DataFolder data(folder / "data");
+    DataFolder data(folder / "data", {.store = {.reserve_bytes = 512 << 10}});
+    if (!fs::exists(folder / "data" / "mapweld.reserve")) return "nothing is kept for deleting";
     vocabulary = test::add_vocabulary(data.store());
     map = test::add_map(data.store(), "a", vocabulary);
+    const MapId doomed = test::add_map(data.store(), "doomed", vocabulary);
+    for (int i = 0; i < 40; ++i) {
+      test::add_vertex(data.store(), doomed, vocabulary, std::to_string(i), appearances);
+    }
     int refused = 0;
     while (refused < 10) {
       try {
@@ -77,6 +97,7 @@ std::string fill_and_go_on(const fs::path& folder) {
     }
     if (acknowledged < 50) return "full after " + std::to_string(acknowledged);
     if (auto wrong = whole(data.store(), "while full"); !wrong.empty()) return wrong;
+    if (auto wrong = delete_while_full(data.store(), doomed); !wrong.empty()) return wrong;
     fs::remove(ballast);
     add(data.store());
     if (auto wrong = whole(data.store(), "with space again"); !wrong.empty()) return wrong;
@@ -93,7 +114,7 @@ TEST(DiskFull, NothingStoredChangesAndTheStoreGoesOnWhenThereIsSpaceAgain) {
   const pid_t child = ::fork();
   ASSERT_GE(child, 0);
   if (child == 0) {
-    if (!mount_small(folder.path(), 6)) ::_exit(kNotAllowed);
+    if (!mount_small(folder.path(), 8)) ::_exit(kNotAllowed);
     std::string wrong;
     try {
       wrong = fill_and_go_on(folder.path());

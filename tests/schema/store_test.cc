@@ -6,6 +6,8 @@
 #include <thread>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "schema/segment_store.h"
 #include "schema/store_check.h"
@@ -107,6 +109,29 @@ TEST(Store, ReadersAndWritersGoOnAtOnce) {
   const StoreStatistics statistics = store.store().statistics();
   EXPECT_GT(statistics.wal_checkpoints, 10U);
   EXPECT_EQ(statistics.failed_wal_checkpoints, 0U) << statistics.last_wal_checkpoint_error;
+}
+
+TEST(Store, WithoutFileDescriptorsItSaysSoAndGoesOnLater) {
+  TempStore store;
+  test::add_vocabulary(store);
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const int next = ::dup(0);
+  ::close(next);
+  rlimit few = before;
+  few.rlim_cur = static_cast<rlim_t>(next) + 2;
+  std::vector<ReadTransaction> readers;
+  std::string told;
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &few), 0);
+  try {
+    while (readers.size() < 10) readers.push_back(store.read());
+  } catch (const StoreError& error) {
+    told = to_string(error.kind());
+  }
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &before), 0);
+  EXPECT_EQ(told, "no_resources");
+  readers.clear();
+  EXPECT_NO_THROW(store.read());
 }
 
 TEST(Store, TheWalStartsOverThoughThereIsAlwaysSomeReader) {

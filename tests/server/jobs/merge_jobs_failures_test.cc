@@ -77,28 +77,40 @@ TEST_F(MergeJobsFailures, AnotherVerifierDoesNotGoOnWithOldVerdicts) {
   EXPECT_NE(s.error.value_or("").find("verifier"), std::string::npos);
 }
 
-TEST_F(MergeJobsFailures, AFullDiskFailsTheJobAndRoomLetsItGoOn) {
+TEST_F(MergeJobsFailures, AFullDiskIsWaitedForAndRoomLetsTheMergeGoOn) {
   const std::int64_t id = submit(verifications(20));
   wait(id);
-  std::int64_t pages = 0;
-  {
-    const ReadTransaction db = store_.read();
-    sqlite::Statement row = db.prepare("PRAGMA page_count");
-    row.step();
-    pages = row.integer(0);
-  }
-  store_.store().limit_pages(static_cast<std::uint32_t>(pages));
-  MergeStatus s;
-  try {
-    jobs_->resume(id, std::nullopt);
-    s = wait(id);
-    EXPECT_EQ(s.state, JobState::kFailed);
-    EXPECT_TRUE(s.error);
-  } catch (const StoreError& error) {
-    EXPECT_EQ(error.kind(), StoreErrorKind::kNoSpace);
-  }
-  store_.store().limit_pages(1u << 30);
+  const auto limit_to = [&](std::int64_t more_pages) {
+    const std::int64_t pages = store_.read().connection().query_integer("PRAGMA page_count");
+    store_.store().limit_pages(static_cast<std::uint32_t>(pages + more_pages));
+  };
+  limit_to(2);
   jobs_->resume(id, std::nullopt);
+  while (jobs_->get(id).stop_reason != "no_space") {
+    ASSERT_NE(jobs_->get(id).state, JobState::kFailed);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  const double elapsed_s = jobs_->get(id).elapsed_s;
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  EXPECT_EQ(jobs_->get(id).stop_reason, "no_space") << "it does not give up";
+  EXPECT_EQ(jobs_->get(id).elapsed_s, elapsed_s);
+  limit_to(100'000);
+  const MergeStatus s = wait(id);
+  EXPECT_EQ(s.state, JobState::kCompleted);
+  EXPECT_EQ(s.stop_reason, std::nullopt);
+  expect_uninterrupted(id);
+}
+
+TEST_F(MergeJobsFailures, AServerThatStopsOnAFullDiskLeavesTheMergeForLater) {
+  const std::int64_t id = submit(verifications(20));
+  wait(id);
+  store_.store().limit_pages(
+      static_cast<std::uint32_t>(store_.read().connection().query_integer("PRAGMA page_count") + 2));
+  jobs_->resume(id, std::nullopt);
+  while (jobs_->get(id).stop_reason != "no_space") std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  jobs_.reset();
+  store_.store().limit_pages(1u << 30);
+  open();
   EXPECT_EQ(wait(id).state, JobState::kCompleted);
   expect_uninterrupted(id);
 }
