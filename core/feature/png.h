@@ -16,9 +16,9 @@ struct PngImage {
   int orientation = 1;  // EXIF, 1..8; not applied
 };
 
-// Any colour type and depth, interlaced or not. What it costs is bounded by the pixels and the bytes of the file: chunks
-// but for pixels, transparency and EXIF are passed over, and a stream of pixels that goes on after the last row is
-// refused. Throws ImageError undecodable_image: cut short, corrupt, a checksum that does not hold.
+// Any colour type and depth, interlaced or not. What it costs is bounded by the pixels and the bytes of the file:
+// chunks but for pixels, transparency and EXIF are passed over, and a stream of pixels that goes on after the last row
+// is refused. Throws ImageError undecodable_image: cut short, corrupt, a checksum that does not hold.
 PngImage read_png_grey(std::span<const std::uint8_t> bytes);
 
 }  // namespace mapweld

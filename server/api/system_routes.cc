@@ -13,7 +13,9 @@ void add_system_routes(Router& router, const Services& services) {
                 return json_reply(200, contract::Health{.status = "ok"});
               }});
   router.add({.method = "GET", .pattern = "/readyz", .handler = [ready = services.ready](const Request&) {
-                if (!ready()) throw ContractError("not_ready", "The server has no vocabulary, or is shutting down.");
+                if (!ready())
+                  throw ContractError("not_ready",
+                                      "The server has no vocabulary, its data folder is gone, or it is shutting down.");
                 return json_reply(200, contract::Health{.status = "ok"});
               }});
   router.add({.method = "GET", .pattern = "/version", .handler = [](const Request&) {

@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/graph/component_edges.h"
 #include "core/graph/components.h"
 #include "core/graph/disjoint_sets.h"
-#include "core/graph/component_edges.h"
 #include "core/random.h"
 
 namespace mapweld {

@@ -53,13 +53,15 @@ TEST(Documents, VertexHasTheShapeOfThePage) {
 }
 
 TEST(Documents, PairHasTheShapesOfThePage) {
-  expect_round_trip<Pair>(R"({"u":12,"v":71,"map":"lab","merge":1,"votes":29,"matches":41,"inliers":24,"verdict":"accepted","reason":null,
+  expect_round_trip<Pair>(
+      R"({"u":12,"v":71,"map":"lab","merge":1,"votes":29,"matches":41,"inliers":24,"verdict":"accepted","reason":null,
     "confirmed":true,"confidence":0.998,"min_confidence":0.9,
     "evidence":[{"name":"rare_matches","value":17.0,"weight":3.5,"says":"matches on things that are nowhere else"},
                 {"name":"shared_view","value":0.25,"weight":null,"says":""}],
     "kind":"fundamental","log10_false_alarms":-46.7,
     "inlier_matches":[{"u":{"x_px":181.5,"y_px":92.125},"v":{"x_px":96.25,"y_px":88.875}}]})");
-  expect_round_trip<Pair>(R"({"u":12,"v":90,"map":"lab","merge":1,"votes":3,"matches":null,"inliers":null,"verdict":"not_candidate",
+  expect_round_trip<Pair>(
+      R"({"u":12,"v":90,"map":"lab","merge":1,"votes":3,"matches":null,"inliers":null,"verdict":"not_candidate",
     "reason":"no_candidate","confirmed":null,"confidence":null})");
 }
 
