@@ -10,6 +10,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "schema/migrations.h"
@@ -18,6 +19,9 @@ namespace mapweld {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kDatabaseFile = "mapweld.db";
+constexpr const char* kLockFile = "mapweld.lock";
 
 StoreError system_error_of(int error, const std::string& doing) {
   StoreErrorKind kind = StoreErrorKind::kIo;
@@ -96,13 +100,11 @@ void create_database(const fs::path& file) {
   sync_folder(file.parent_path());
 }
 
-}  // namespace
-
-class DataFolder::Lock {
+class FolderLock {
  public:
   // Not taken when another process has it: ask held(). The folder itself is locked beside the file: whoever removes
   // the file lets no second server in. Some network file systems lock no folders; there the file has to do.
-  explicit Lock(const fs::path& file)
+  explicit FolderLock(const fs::path& file)
       : folder_(::open(file.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
     descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (descriptor_ < 0) {
@@ -129,12 +131,12 @@ class DataFolder::Lock {
     const auto length = ::pread(descriptor_, text.data(), text.size(), 0);
     if (length > 0) holder_ = std::string(text.data(), std::strcspn(text.data(), "\n"));
   }
-  ~Lock() {
+  ~FolderLock() {
     ::close(descriptor_);
     ::close(folder_);
   }
-  Lock(const Lock&) = delete;
-  Lock& operator=(const Lock&) = delete;
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
 
   bool held() const { return held_; }
   const std::string& holder() const { return holder_; }
@@ -146,10 +148,16 @@ class DataFolder::Lock {
   std::string holder_;
 };
 
+}  // namespace
+
+class DataFolder::Lock : public FolderLock {
+  using FolderLock::FolderLock;
+};
+
 DataFolder::DataFolder(const fs::path& folder, const DataFolderOptions& options) : folder_(folder) {
   const bool serve = options.access == DataFolderOptions::Access::kServe;
-  const fs::path file = folder_ / "mapweld.db";
-  const fs::path wal = folder_ / "mapweld.db-wal";
+  const fs::path file = folder_ / kDatabaseFile;
+  const fs::path wal = folder_ / (std::string(kDatabaseFile) + "-wal");
 
   // Before anything is made in the folder: a foreign database stays as it is, without even a lock beside it.
   bool exists = check_header(file);
@@ -160,7 +168,7 @@ DataFolder::DataFolder(const fs::path& folder, const DataFolderOptions& options)
     if (error) throw system_error_of(error.value(), "cannot create the data folder " + folder_.string());
   }
 
-  lock_ = std::make_unique<Lock>(folder_ / "mapweld.lock");
+  lock_ = std::make_unique<Lock>(folder_ / kLockFile);
   if (serve && !lock_->held()) {
     const std::string holder = lock_->holder().empty() ? "" : " (process " + lock_->holder() + ")";
     throw StoreError(StoreErrorKind::kFolderInUse, "the data folder " + folder_.string() +
@@ -194,5 +202,36 @@ DataFolder::DataFolder(const fs::path& folder, const DataFolderOptions& options)
 }
 
 DataFolder::~DataFolder() = default;
+
+void restore_backup(const fs::path& backup, const fs::path& folder) {
+  if (!check_header(backup)) throw StoreError(StoreErrorKind::kNotFound, "there is no backup " + backup.string());
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw system_error_of(error.value(), "cannot create the data folder " + folder.string());
+  const FolderLock lock(folder / kLockFile);
+  if (!lock.held()) throw StoreError(StoreErrorKind::kFolderInUse, folder.string() + " is in use by a server");
+  const fs::path file = folder / kDatabaseFile;
+  for (const fs::path& there : {file, fs::path(file.string() + "-wal")}) {
+    if (fs::exists(there)) {
+      throw StoreError(StoreErrorKind::kConstraint, there.string() + " is there already: restore into an empty folder");
+    }
+  }
+  const fs::path fresh = file.string() + ".new";
+  fs::copy_file(backup, fresh, fs::copy_options::overwrite_existing, error);
+  if (!error) {
+    const int descriptor = ::open(fresh.c_str(), O_RDONLY | O_CLOEXEC);
+    if (descriptor < 0 || ::fchmod(descriptor, 0600) != 0 || ::fsync(descriptor) != 0) {
+      error = std::error_code(errno, std::generic_category());
+    }
+    if (descriptor >= 0) ::close(descriptor);
+  }
+  if (!error) fs::rename(fresh, file, error);
+  if (error) {
+    std::error_code ignored;
+    fs::remove(fresh, ignored);
+    throw system_error_of(error.value(), "cannot restore into " + folder.string());
+  }
+  sync_folder(folder);
+}
 
 }  // namespace mapweld

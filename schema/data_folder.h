@@ -50,4 +50,9 @@ class DataFolder {
   int version_found_ = 0;
 };
 
+// Puts a backup (Store::backup) into a folder that has no database yet, where it appears whole or not at all. The
+// backup stays as it is. Throws StoreError: kConstraint when a database is there, kFolderInUse, kNotFound without a
+// backup, kForeignDatabase, kNewerVersion, kNoSpace, ...; then nothing has changed.
+void restore_backup(const std::filesystem::path& backup, const std::filesystem::path& folder);
+
 }  // namespace mapweld

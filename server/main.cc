@@ -1,6 +1,7 @@
-// mapweld-server: serve, train, check, evaluate.
+// mapweld-server: serve, train, check, backup, restore, evaluate.
 #include <CLI/CLI.hpp>
 
+#include "server/commands/backup.h"
 #include "server/commands/check.h"
 #include "server/commands/evaluate.h"
 #include "server/commands/serve.h"
@@ -15,6 +16,7 @@ int main(int argc, char** argv) {
   mapweld::server::add_decode_command(app);
   mapweld::add_train_command(app);
   mapweld::server::add_check_command(app);
+  mapweld::server::add_backup_commands(app);
   mapweld::server::add_evaluate_command(app);
   CLI11_PARSE(app, argc, argv);
   return 0;

@@ -1,0 +1,123 @@
+#include "server/commands/backup.h"
+
+#include <atomic>
+#include <fstream>
+#include <string>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "schema/edge_store.h"
+#include "schema/vertex_store.h"
+#include "tests/support/temp_store.h"
+
+namespace mapweld::test {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+struct Ran {
+  int exit_code = 0;
+  std::string output;
+  std::string errors;
+};
+
+Ran run(const std::string& command) {
+  CLI::App app;
+  server::add_backup_commands(app);
+  Ran ran;
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
+  try {
+    app.parse(command);
+  } catch (const CLI::RuntimeError& error) {
+    ran.exit_code = error.get_exit_code();
+  }
+  ran.output = ::testing::internal::GetCapturedStdout();
+  ran.errors = ::testing::internal::GetCapturedStderr();
+  return ran;
+}
+
+TEST(BackupCommand, WhatWasThereIsThereAgainThoughTheServerGoesOn) {
+  TempStore store;
+  const TempFolder out;
+  const VocabularyId vocabulary = add_vocabulary(store);
+  const MapId map = add_map(store, "a", vocabulary);
+  Random random(3);
+  const auto add = [&](int i) {
+    add_vertex(store, map, vocabulary, std::to_string(i), random_appearances(random, 30, 1'000));
+  };
+  for (int i = 0; i < 20; ++i) add(i);
+  std::atomic<bool> stop = false;
+  std::thread writer([&] {
+    for (int i = 20; !stop; ++i) add(i);
+  });
+  const std::string data = (store.folder() / "data").string();
+  const std::string file = (out.path() / "copy").string();
+  const Ran saved = run("backup --data " + data + " " + file);
+  stop = true;
+  writer.join();
+  EXPECT_EQ(saved.exit_code, 0) << saved.errors;
+  EXPECT_EQ(fs::status(file).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+
+  const std::string restored = (out.path() / "new" / "data").string();
+  const Ran loaded = run("restore --data " + restored + " " + file);
+  EXPECT_EQ(loaded.exit_code, 0) << loaded.errors;
+  EXPECT_THAT(loaded.output, HasSubstr("1 maps"));
+  EXPECT_THAT(loaded.output, HasSubstr("all in order"));
+  DataFolder again(restored);
+  const ReadTransaction there = again.store().read();
+  const ReadTransaction here = store.read();
+  const std::uint32_t vertices = find_map(there, map)->vertices;
+  EXPECT_GE(vertices, 20u);
+  for (std::uint32_t v = 0; v < vertices; ++v) {
+    EXPECT_EQ(find_vertex(there, map, VertexId{v})->sha256, find_vertex(here, map, VertexId{v})->sha256);
+  }
+}
+
+TEST(BackupCommand, NothingIsOverwritten) {
+  TempStore store;
+  const TempFolder out;
+  add_vocabulary(store);
+  const std::string data = (store.folder() / "data").string();
+  const std::string file = (out.path() / "copy").string();
+  ASSERT_EQ(run("backup --data " + data + " " + file).exit_code, 0);
+  EXPECT_EQ(run("backup --data " + data + " " + file).exit_code, 2);
+
+  const std::string restored = (out.path() / "data").string();
+  ASSERT_EQ(run("restore --data " + restored + " " + file).exit_code, 0);
+  const Ran again = run("restore --data " + restored + " " + file);
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_THAT(again.errors, HasSubstr("there already"));
+  EXPECT_EQ(run("restore --data " + data + " " + file).exit_code, 2) << "a server is running there";
+}
+
+TEST(BackupCommand, WhatIsNoBackupIsRefusedAndWhatIsDamagedIsTold) {
+  TempStore store;
+  const TempFolder out;
+  const VocabularyId vocabulary = add_vocabulary(store);
+  const MapId map = add_map(store, "a", vocabulary);
+  Random random(3);
+  for (int i = 0; i < 20; ++i) {
+    add_vertex(store, map, vocabulary, std::to_string(i), random_appearances(random, 300, 1'000));
+  }
+  const std::string text = (out.path() / "text").string();
+  std::ofstream(text) << "no database at all, but long enough to have the header of one: " << std::string(200, 'x');
+  EXPECT_EQ(run("restore --data " + (out.path() / "a").string() + " " + text).exit_code, 2);
+  EXPECT_EQ(run("restore --data " + (out.path() / "a").string() + " " + text + ".not").exit_code, 2);
+  EXPECT_FALSE(fs::exists(out.path() / "a" / "mapweld.db"));
+
+  const std::string file = (out.path() / "copy").string();
+  ASSERT_EQ(run("backup --data " + (store.folder() / "data").string() + " " + file).exit_code, 0);
+  std::fstream damage(file, std::ios::in | std::ios::out | std::ios::binary);
+  damage.seekp(static_cast<std::streamoff>(fs::file_size(file) * 3 / 4));
+  damage << std::string(64, '\x5A');
+  damage.close();
+  EXPECT_EQ(run("restore --data " + (out.path() / "b").string() + " " + file).exit_code, 1);
+}
+
+}  // namespace
+}  // namespace mapweld::test
