@@ -1,5 +1,6 @@
 #include "server/maps/map_cache.h"
 
+#include <exception>
 #include <stdexcept>
 #include <vector>
 
@@ -35,6 +36,30 @@ std::shared_ptr<LoadedMap> MapCache::open(const MapRow& map, int max_features) {
   entry.reset();
   make_room();
   return loaded;
+}
+
+std::shared_ptr<LoadedMap> MapCache::open_unless_long(const MapRow& map, int max_features) {
+  if (map.vertices <= most_read_at_once_) return open(map, max_features);
+  const std::lock_guard lock(mutex_);
+  if (const auto found = entries_.find(map.id); found != entries_.end()) {
+    const std::unique_lock loading(found->second->loading, std::try_to_lock);
+    if (loading && found->second->map) {
+      found->second->last_use = ++uses_;
+      return found->second->map;
+    }
+  }
+  if (estimated_index_bytes(map.vertices, max_features) > capacity_bytes_) return nullptr;
+  if (!being_read_.insert(map.id).second) return nullptr;
+  reads_.submit([this, map, max_features] {
+    try {
+      open(map, max_features);
+    } catch (const std::exception&) {
+      // Whoever asks for what cannot be read hears of it.
+    }
+    const std::lock_guard done(mutex_);
+    being_read_.erase(map.id);
+  });
+  return nullptr;
 }
 
 void MapCache::make_room() {

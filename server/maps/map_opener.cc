@@ -35,7 +35,7 @@ std::unique_ptr<MapSnapshot> MapOpener::open(const Reader& db, const MapLayout& 
 std::shared_ptr<const LeafSource> MapOpener::open_leaf(const Reader& db, MapId leaf) {
   const std::optional<MapRow> row = find_map(db, leaf);
   if (!row) throw std::out_of_range("a member was deleted");
-  if (auto loaded = cache_.open(*row, settings_of(*row).parameters.max_features)) return loaded;
+  if (auto loaded = cache_.open_unless_long(*row, settings_of(*row).parameters.max_features)) return loaded;
   return std::make_shared<StoredMap>(store_, leaf, row->vocabulary);
 }
 

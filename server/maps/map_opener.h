@@ -24,8 +24,9 @@ class MapOpener {
   // `store` and `cache` must outlive this.
   MapOpener(Store& store, MapCache& cache) : store_(store), cache_(cache) {}
 
-  // The map of this layout as `db` sees it: with members in memory where they fit, and the inter edges that its merge
-  // has found so far. Throws std::out_of_range when the map, or a member, is gone.
+  // The map of this layout as `db` sees it: with members in memory where they fit (large ones once they have been read,
+  // from the store meanwhile), and the inter edges that its merge has found so far. Throws std::out_of_range when the
+  // map, or a member, is gone.
   std::unique_ptr<MapSnapshot> open(const Reader& db, const MapLayout& layout);
 
   // A map was deleted.

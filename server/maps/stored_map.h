@@ -1,4 +1,4 @@
-// A plain map that is too large for memory, read from the store as it is asked for.
+// A plain map that is too large for memory, or not there yet, read from the store as it is asked for.
 #pragma once
 
 #include <memory>

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -287,6 +289,32 @@ TEST_F(MapCacheTest, ManyThreadsMayOpenAndReadAtOnce) {
   }
   for (std::thread& reader : readers) reader.join();
   EXPECT_EQ(wrong, 0);
+}
+
+TEST_F(MapCacheTest, ALongMapIsNotWaitedFor) {
+  const MapRow small = fill("small", 4), large = fill("large", 5);
+  MapCache cache(store_, 64 << 20, 4);
+  EXPECT_NE(cache.open_unless_long(small, kFeatures), nullptr);
+  EXPECT_EQ(cache.open_unless_long(large, kFeatures), nullptr);
+  std::shared_ptr<LoadedMap> loaded;
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (!loaded && std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    loaded = cache.open_unless_long(large, kFeatures);
+  }
+  ASSERT_NE(loaded, nullptr);
+  EXPECT_EQ(loaded->committed(), 5u);
+  EXPECT_EQ(cache.open(large, kFeatures), loaded);
+  EXPECT_EQ(MapCache(store_, 1000, 4).open_unless_long(large, kFeatures), nullptr);
+}
+
+TEST_F(MapCacheTest, WhatIsReadBesideMayBeDeletedMeanwhile) {
+  const MapRow large = fill("large", 5);
+  for (int i = 0; i < 20; ++i) {
+    MapCache cache(store_, 64 << 20, 4);
+    cache.open_unless_long(large, kFeatures);
+    if (i % 2 == 0) cache.forget(large.id);
+  }
 }
 
 }  // namespace
