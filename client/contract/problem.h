@@ -54,6 +54,8 @@ inline constexpr std::array kCodes = {
     CodeEntry{"unsupported_media_type", 415, "The media type of the body is not supported"},
     CodeEntry{"range_not_satisfiable", 416, "The range is not satisfiable"},
 
+    CodeEntry{"unknown_host", 421, "The server does not have this name"},
+
     CodeEntry{"undecodable_image", 422, "The image is truncated or corrupt"},
     CodeEntry{"empty_mask", 422, "The mask leaves no pixel"},
     CodeEntry{"duplicate_member", 422, "A map is named twice"},

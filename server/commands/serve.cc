@@ -14,6 +14,7 @@
 #include <opencv2/core/utility.hpp>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "core/feature/allocation.h"
@@ -33,6 +34,14 @@ void set_up_log(const std::string& level) {
   log->set_level(spdlog::level::from_str(level));
   log->flush_on(spdlog::level::info);
   spdlog::set_default_logger(log);
+}
+
+// Connections are descriptors: as many as the system lets this process have.
+void raise_descriptor_limit() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  ::setrlimit(RLIMIT_NOFILE, &limit);
 }
 
 // Waits for SIGTERM and SIGINT on a thread of its own; every other thread has them blocked.
@@ -92,6 +101,7 @@ class StopSignal {
 void serve(const ServerConfig& config) {
   set_up_log(config.log_level);
   keep_freed_memory();
+  raise_descriptor_limit();
   cv::setNumThreads(0);  // one image a thread
   StopSignal signal;
   Server server(config);
@@ -122,9 +132,17 @@ void add_serve_command(CLI::App& app) {
       ->envname("MAPWELD_PORT")
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();
-  command->add_option("--threads", config->http.threads, "Connections served at the same time")
+  command
+      ->add_option("--allowed-host", config->http.allowed_hosts,
+                   "A name by which clients may call this server, beside its address; may be repeated; * allows any")
+      ->envname("MAPWELD_ALLOWED_HOST");
+  command->add_option("--threads", config->http.threads, "Requests worked on at the same time")
       ->envname("MAPWELD_THREADS")
       ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  command->add_option("--max-connections", config->http.max_connections, "Connections open at the same time")
+      ->envname("MAPWELD_MAX_CONNECTIONS")
+      ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   command->add_option("--extract-threads", config->extract_threads, "Images analysed at the same time; 0: one a core")
       ->envname("MAPWELD_EXTRACT_THREADS")

@@ -1,389 +1,196 @@
 #include "server/http/http_server.h"
 
 #include <algorithm>
-#include <atomic>
-#include <cerrno>
-#include <cstring>
+#include <chrono>
 #include <random>
 #include <stdexcept>
+#include <unordered_set>
+#include <utility>  // missing in <boost/asio/awaitable.hpp> of 1.74
 
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
 #include <spdlog/spdlog.h>
-#include <sys/socket.h>
+#include <sys/resource.h>
 
-#include "server/http/body_budget.h"
-#include "server/http/connection_queue.h"
-#include "server/http/problem.h"
+#include "server/http/loop/connection.h"
+#include "server/http/loop/dispatcher.h"
+#include "server/http/loop/request_pool.h"
+#include "server/http/wire/body_budget.h"
 
 namespace mapweld::server {
 namespace {
 
-using contract::Code;
-using contract::ContractError;
+namespace asio = boost::asio;
+using asio::awaitable;
+using asio::ip::tcp;
+using std::chrono::milliseconds;
 
-constexpr std::size_t kStreamBytes = 64 * 1024;  // pieces in which a streamed body is sent
-constexpr int kListenBacklog = 256;              // the library's own is 5
+constexpr std::size_t kReceiveBytes = 64 * 1024;
+constexpr std::size_t kTurnedAwayAtOnce = 64;  // answered 503; more are closed without a word
+constexpr milliseconds kSweep{50};             // how late a timeout may be
+constexpr milliseconds kAcceptPause{100};      // when there are no descriptors left
 
-// How long a new connection may keep its thread without a request while others wait; a used one gives it up at once.
-constexpr double kFirstRequestPatience_s = 1;
+// What the database and files need beside connections.
+std::size_t spare_descriptors(const HttpOptions& options) { return 64 + 3 * static_cast<std::size_t>(options.threads); }
 
-// The connection that this thread serves, and what is to be known of its present request.
-struct Current {
-  Connection* connection = nullptr;
-  std::string request_id;
-  std::string path;
-  std::string route;  // pattern; empty: none matched
-  std::string peer;
-  std::string subject;
-  Admission admission;
-  std::uint64_t bytes_in = 0;
-  std::uint64_t bytes_out = 0;
-  Stopwatch watch;
-};
-thread_local Current* current = nullptr;
-
-bool is_request_id(const std::string& id) {
-  return !id.empty() && id.size() <= 64 && std::all_of(id.begin(), id.end(), [](unsigned char c) {
-    return std::isalnum(c) || c == '-' || c == '_' || c == '.';
-  });
-}
-
-// The values of a field, joined by ", ".
-std::string field_of(const httplib::Request& request, const std::string& name) {
-  std::string joined;
-  const auto [first, last] = request.headers.equal_range(name);
-  for (auto field = first; field != last; ++field) joined += (field == first ? "" : ", ") + field->second;
-  return joined;
-}
-
-Reply reply_of(Code code, const std::string& detail, const std::string& request_id) {
-  return problem_reply(contract::problem_of(code, detail, request_id));
-}
-
-void send(httplib::Response& response, Reply reply) {
-  response.status = reply.status;
-  for (auto& [name, value] : reply.headers) response.set_header(name, value);
-  if (current) current->subject = std::move(reply.subject);
-  if (!reply.stream) {
-    if (current) current->bytes_out = reply.body.size();
-    if (reply.status != 204) response.set_content(reply.body, reply.content_type);
-    return;
+std::size_t max_connections(const HttpOptions& options) {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return options.max_connections;
+  const std::size_t there = limit.rlim_cur;
+  const std::size_t left = std::max(there / 4, there - std::min(there, spare_descriptors(options)));
+  if (left < options.max_connections) {
+    spdlog::info("at most {} connections: the process may open {} files", left, there);
   }
-  const std::string request_id = current ? current->request_id : "";
-  response.set_chunked_content_provider(
-      reply.content_type, [stream = std::move(reply.stream), request_id](std::size_t, httplib::DataSink& sink) {
-        try {
-          std::string piece;
-          stream([&](std::string_view text) {
-            piece.append(text);
-            if (piece.size() < kStreamBytes) return true;
-            const bool sent = sink.write(piece.data(), piece.size());
-            if (current) current->bytes_out += piece.size();
-            piece.clear();
-            return sent;
-          });
-          if (!piece.empty() && !sink.write(piece.data(), piece.size())) return false;
-          if (current) current->bytes_out += piece.size();
-          sink.done();
-          return true;
-        } catch (const std::exception& error) {
-          spdlog::error("request {}: the streamed reply broke off: {}", request_id, error.what());
-          return false;
-        }
-      });
+  return std::min(options.max_connections, left);
 }
 
 }  // namespace
 
-class HttpServer::Impl final : public httplib::Server {
+class HttpServer::Impl {
  public:
   Impl(const HttpOptions& options, Router router, Metrics& metrics, Gate* gate)
       : options_(options),
-        router_(std::move(router)),
-        metrics_(metrics),
-        gate_(gate),
-        bodies_(options.max_bodies_bytes) {
-    new_task_queue = [this] { return new ConnectionQueue(options_.threads, options_.max_waiting, crowd_); };
-    set_tcp_nodelay(true);
-    set_keep_alive_timeout(std::max(1, options_.connection.idle_timeout_ms / 1000));
-    set_keep_alive_max_count(static_cast<std::size_t>(options_.max_requests_per_connection));
-    // Not SO_REUSEPORT, the library's default: with it two servers share a port without noticing.
-    set_socket_options([](socket_t socket) {
-      const int yes = 1;
-      ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
-    });
-    set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
-      handle(request, response);
-      return HandlerResponse::Handled;
-    });
-    set_error_handler(httplib::Server::HandlerWithResponse(
-        [this](const httplib::Request&, httplib::Response& response) { return explain(response); }));
-    set_post_routing_handler(
-        [this](const httplib::Request&, httplib::Response& response) { finish_headers(response); });
-    set_logger([this](const httplib::Request& request, const httplib::Response& response) { log(request, response); });
+        max_connections_(max_connections(options)),
+        dispatcher_(options_, std::move(router), gate),
+        bodies_(options.max_bodies_bytes),
+        pool_(options.threads, options.max_waiting),
+        state_{.options = options_,
+               .dispatcher = dispatcher_,
+               .pool = pool_,
+               .bodies = bodies_,
+               .metrics = metrics,
+               .gate = gate,
+               .received = std::vector<char>(kReceiveBytes)} {
     std::random_device entropy;
-    id_prefix_ = (std::uint64_t{entropy()} << 32) | entropy();
-  }
-
-  ~Impl() override {
-    if (bound_ && !served_) ::close(svr_sock_);
+    state_.id_prefix = entropy();
   }
 
   int bind() {
-    errno = 0;
-    const int port = options_.port == 0 ? bind_to_any_port(options_.host)
-                                        : (bind_to_port(options_.host, options_.port) ? options_.port : -1);
-    if (port <= 0) {
-      throw std::runtime_error("cannot listen on " + options_.host + " port " + std::to_string(options_.port) + ": " +
-                               (errno != 0 ? std::strerror(errno) : "no such address"));
+    boost::system::error_code error;
+    const auto endpoints =
+        tcp::resolver(loop_).resolve(options_.host, std::to_string(options_.port), tcp::resolver::passive, error);
+    for (const auto& found : endpoints) {
+      error = listen(found.endpoint());
+      if (!error) return acceptor_.local_endpoint().port();
     }
-    ::listen(svr_sock_, kListenBacklog);
-    bound_ = true;
-    return port;
+    throw std::runtime_error("cannot listen on " + options_.host + " port " + std::to_string(options_.port) + ": " +
+                             (error ? error.message() : "no such address"));
   }
 
   void serve() {
-    if (draining_) return;
-    served_ = true;
-    listen_after_bind();
+    asio::co_spawn(loop_, accept(), asio::detached);
+    asio::co_spawn(loop_, sweep(), asio::detached);
+    loop_.run();
+    pool_.join();
   }
 
   void drain() {
-    if (draining_.exchange(true)) return;
-    // Wakes accept(). The library's stop() is not used: it also breaks off replies that are being streamed.
-    if (bound_) ::shutdown(svr_sock_, SHUT_RDWR);
+    asio::post(loop_, [this] {
+      if (std::exchange(state_.draining, true)) return;
+      boost::system::error_code ignored;
+      acceptor_.close(ignored);
+      sweep_timer_.cancel();
+      for (Connection* connection : connections_) connection->stop_waiting();
+    });
   }
 
  private:
-  // One connection, on a thread of the pool. The library's own loop is replaced: it reads heads without limits and lets
-  // idle connections hold their threads.
-  bool process_and_close_socket(socket_t socket) override {
-    if (ConnectionQueue::turning_away()) {
-      Connection connection(socket, options_.connection, draining_);
-      send_plain(connection, reply_of("busy", "All connections are in use. Try again.", next_request_id()));
-    } else {
-      serve_connection(socket);
+  boost::system::error_code listen(const tcp::endpoint& endpoint) {
+    boost::system::error_code error;
+    acceptor_.close(error);
+    acceptor_.open(endpoint.protocol(), error);
+    // Not SO_REUSEPORT: with it two servers share a port without noticing.
+    if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
+    if (!error) acceptor_.bind(endpoint, error);
+    if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
+    return error;
+  }
+
+  awaitable<void> accept() {
+    while (!state_.draining) {
+      boost::system::error_code error;
+      tcp::socket socket = co_await acceptor_.async_accept(asio::redirect_error(asio::use_awaitable, error));
+      if (!error) {
+        asio::co_spawn(loop_, hold(std::move(socket)), asio::detached);
+      } else if (!state_.draining) {
+        make_room();
+        asio::steady_timer pause(loop_, kAcceptPause);
+        co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
+      }
     }
-    ::shutdown(socket, SHUT_RDWR);
-    ::close(socket);
+  }
+
+  // A connection's whole life.
+  awaitable<void> hold(tcp::socket socket) {
+    const bool room = connections_.size() < max_connections_ || make_room();
+    if (!room && connections_.size() >= max_connections_ + kTurnedAwayAtOnce) co_return;
+    Connection connection(Transport(std::move(socket)), state_);
+    const Listed listed(*this, connection);
+    if (room) {
+      co_await connection.serve();
+    } else {
+      co_await connection.turn_away();
+    }
+  }
+
+  // While it lives, the connection is among those that are swept.
+  class Listed {
+   public:
+    Listed(Impl& server, Connection& connection) : server_(server), connection_(connection) {
+      server_.connections_.insert(&connection_);
+      if (server_.connections_.size() == 1) server_.sweep_timer_.cancel();
+    }
+    ~Listed() {
+      server_.connections_.erase(&connection_);
+      if (server_.connections_.empty()) server_.sweep_timer_.cancel();
+    }
+    Listed(const Listed&) = delete;
+
+   private:
+    Impl& server_;
+    Connection& connection_;
+  };
+
+  // Closes the connection that has been idle for longest. False: none is.
+  bool make_room() {
+    const auto oldest =
+        std::min_element(connections_.begin(), connections_.end(), [](const Connection* a, const Connection* b) {
+          constexpr auto kNever = Connection::Clock::time_point::max();
+          return a->idle_since().value_or(kNever) < b->idle_since().value_or(kNever);
+        });
+    if (oldest == connections_.end() || !(*oldest)->idle_since()) return false;
+    (*oldest)->stop_waiting();
     return true;
   }
 
-  void serve_connection(socket_t socket) {
-    Connection connection(socket, options_.connection, draining_);
-    Current request;
-    current = &request;
-    int port = 0;
-    std::string peer;
-    connection.get_remote_ip_and_port(peer, port);
-    for (int served = 0; served < options_.max_requests_per_connection; ++served) {
-      const Stopwatch idle;
-      const double patience_s = served == 0 ? kFirstRequestPatience_s : 0;
-      if (!connection.wait_for_request([&] { return crowd_ > 0 && idle.elapsed_s() >= patience_s; })) break;
-      request = Current();
-      request.connection = &connection;
-      request.request_id = next_request_id();
-      request.peer = peer;
-      const Connection::Head head = connection.read_head();
-      if (head == Connection::Head::kClosed) break;
-      if (head != Connection::Head::kComplete) {
-        const Reply reply = explain_head(head, request.request_id);
-        send_plain(connection, reply);
-        request.bytes_out = reply.body.size();
-        tell_gate("", reply.status);
-        connection.linger();
-        break;
-      }
-      bool closed = false;
-      const bool answered = process_request(connection, draining_, closed, nullptr);
-      if (answered && !connection.body_consumed()) connection.linger();
-      if (!answered || closed || draining_ || !connection.body_consumed()) break;
+  // Gives up those that wait too long. Sleeps while there are no connections.
+  awaitable<void> sweep() {
+    while (!state_.draining || !connections_.empty()) {
+      connections_.empty() ? sweep_timer_.expires_at(Connection::Clock::time_point::max())
+                           : sweep_timer_.expires_after(kSweep);
+      boost::system::error_code ignored;
+      co_await sweep_timer_.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+      const auto now = Connection::Clock::now();
+      for (Connection* connection : connections_) connection->expire(now);
     }
-    current = nullptr;
-  }
-
-  static Reply explain_head(Connection::Head head, const std::string& request_id) {
-    switch (head) {
-      case Connection::Head::kTooLarge:
-        return reply_of("headers_too_large", "The request line and header fields are too long.", request_id);
-      case Connection::Head::kTimeout:
-        return reply_of("request_timeout", "The header fields did not arrive in time.", request_id);
-      default:
-        return reply_of("malformed_request", "The request is not well-formed HTTP/1.1.", request_id);
-    }
-  }
-
-  // For replies to what never became a request of the library's.
-  static void send_plain(Connection& connection, const Reply& reply) {
-    connection.write_all("HTTP/1.1 " + std::to_string(reply.status) + " Error\r\nContent-Type: " + reply.content_type +
-                         "\r\nContent-Length: " + std::to_string(reply.body.size()) + "\r\nConnection: close\r\n\r\n" +
-                         reply.body);
-  }
-
-  void handle(const httplib::Request& request, httplib::Response& response) {
-    if (const std::string id = request.get_header_value("X-Request-Id"); is_request_id(id)) current->request_id = id;
-    std::size_t reserved = 0;
-    Reply reply;
-    try {
-      reply = answer(request, reserved);
-    } catch (...) {
-      reply = problem_reply(problem_of(std::current_exception(), current->request_id));
-    }
-    bodies_.give_back(reserved);
-    send(response, std::move(reply));
-  }
-
-  Reply answer(const httplib::Request& from, std::size_t& reserved) {
-    const std::string_view target = from.target;
-    const std::size_t question = std::min(target.find('?'), target.size());
-    const std::string path(target.substr(0, question));
-    Router::Match match = router_.match(from.method, path);
-    current->path = path;
-    if (match.route) current->route = match.route->pattern;
-    if (gate_) {
-      current->admission = gate_->admit(head_of(from, match));
-      if (current->admission.reply) return std::move(*current->admission.reply);
-    }
-    if (!match.route) {
-      if (match.allow.empty()) throw ContractError("no_such_path", "There is nothing under " + path + ".");
-      Reply reply = reply_of("method_not_allowed", path + " answers " + match.allow + " only.", current->request_id);
-      reply.headers.emplace_back("Allow", match.allow);
-      return reply;
-    }
-    const Route& route = *match.route;
-    Request request;
-    request.method = from.method;
-    request.path = path;
-    request.parameters = std::move(match.parameters);
-    request.query = Query(parse_query(target.substr(std::min(question + 1, target.size()))));
-    request.query.refuse_unknown(route.query);
-    request.content_type = current->connection->content_type();
-    request.request_id = current->request_id;
-    request.caller = current->admission.caller;
-    read_body(route, request.body, reserved);
-    return route.handler(request);
-  }
-
-  static RequestHead head_of(const httplib::Request& from, const Router::Match& match) {
-    return {.request_id = current->request_id,
-            .method = from.method,
-            .path = current->path,
-            .route = match.route,
-            .allow = match.allow,
-            .parameters = match.parameters,
-            .authorization = field_of(from, "Authorization"),
-            .origin = field_of(from, "Origin"),
-            .host = field_of(from, "Host"),
-            .content_type = current->connection->content_type(),
-            .peer = current->peer};
-  }
-
-  void tell_gate(const std::string& method, int status) {
-    if (!gate_) return;
-    gate_->finished({.request_id = current->request_id,
-                     .method = method,
-                     .path = current->path,
-                     .route = current->route,
-                     .peer = current->peer,
-                     .subject = current->subject,
-                     .caller = current->admission.caller,
-                     .status = status,
-                     .bytes_in = current->bytes_in,
-                     .bytes_out = current->bytes_out,
-                     .elapsed_s = current->watch.elapsed_s()});
-  }
-
-  void read_body(const Route& route, std::string& body, std::size_t& reserved) {
-    Connection& connection = *current->connection;
-    if (route.body == BodyRule::kNone) return;
-    if (!connection.content_encoding().empty()) {
-      throw ContractError("unsupported_media_type", "Content-Encoding is not supported: send the bytes as they are.");
-    }
-    if (connection.framing() == Framing::kNone) {
-      if (route.body == BodyRule::kRequired) {
-        throw ContractError("length_required", "The request has neither Content-Length nor chunked Transfer-Encoding.");
-      }
-      return;
-    }
-    const std::size_t limit =
-        route.json_body ? std::min(options_.max_json_bytes, options_.max_body_bytes) : options_.max_body_bytes;
-    const auto reserve = [&](std::size_t bytes) {
-      if (!bodies_.take(bytes)) return false;
-      reserved += bytes;
-      return true;
-    };
-    const Connection::Body outcome = connection.read_body(limit, body, reserve);
-    current->bytes_in = body.size();
-    switch (outcome) {
-      case Connection::Body::kComplete:
-        return;
-      case Connection::Body::kTooLarge:
-        throw ContractError("body_too_large", "The body may have at most " + std::to_string(limit) + " bytes.");
-      case Connection::Body::kBusy:
-        throw ContractError("busy", "The server holds as many uploads as it can. Try again.");
-      case Connection::Body::kTimeout:
-        throw ContractError("request_timeout", "The body did not arrive in time.");
-      case Connection::Body::kMalformed:
-      case Connection::Body::kClosed:
-        throw ContractError("malformed_request", "The body breaks off or its chunks are malformed.");
-    }
-  }
-
-  // Errors that the library found by itself get their problem document here.
-  HandlerResponse explain(httplib::Response& response) const {
-    if (!response.body.empty() || response.content_provider_) return HandlerResponse::Unhandled;
-    const std::string request_id = current ? current->request_id : "";
-    const int status = response.status;
-    const Code code = status == 414   ? Code("uri_too_long")
-                      : status >= 500 ? Code("internal_error")
-                                      : "malformed_request";
-    Reply reply = reply_of(code, status == 414 ? "The path and query are too long." : "The request is not well-formed.",
-                           request_id);
-    send(response, std::move(reply));
-    return HandlerResponse::Handled;
-  }
-
-  void finish_headers(httplib::Response& response) const {
-    if (!current) return;
-    response.set_header("X-Request-Id", current->request_id);
-    for (const auto& [name, value] : current->admission.headers) response.set_header(name, value);
-    // What is left of a body would be taken for the next request.
-    if (draining_ || !current->connection->body_consumed()) {
-      response.headers.erase("Keep-Alive");
-      if (!response.has_header("Connection")) response.set_header("Connection", "close");
-    }
-    if (response.status == 204) response.headers.erase("Content-Length");
-  }
-
-  void log(const httplib::Request& request, const httplib::Response& response) {
-    if (!current) return;
-    const double elapsed_s = current->watch.elapsed_s();
-    metrics_.count_request(request.method, current->route.empty() ? "none" : current->route, response.status,
-                           elapsed_s);
-    log_->log(response.status == 500 || response.status == 507 ? spdlog::level::warn : spdlog::level::debug,
-              "{} {} {} {} {:.1f} ms", current->request_id, request.method, request.target, response.status,
-              elapsed_s * 1e3);
-    tell_gate(request.method, response.status);
-  }
-
-  std::string next_request_id() {
-    char text[32];
-    std::snprintf(text, sizeof(text), "%08x-%06llx", static_cast<unsigned>(id_prefix_),
-                  static_cast<unsigned long long>(++requests_));
-    return text;
   }
 
   const HttpOptions options_;
-  const Router router_;
-  Metrics& metrics_;
-  Gate* const gate_;
-  const std::shared_ptr<spdlog::logger> log_ = spdlog::default_logger();
+  const std::size_t max_connections_;
+  const Dispatcher dispatcher_;
   BodyBudget bodies_;
-  std::atomic<bool> draining_{false};
-  std::atomic<int> crowd_{0};
-  bool bound_ = false;
-  bool served_ = false;
-  std::atomic<std::uint64_t> requests_{0};
-  std::uint64_t id_prefix_ = 0;
+  asio::io_context loop_{1};
+  tcp::acceptor acceptor_{loop_};
+  asio::steady_timer sweep_timer_{loop_};
+  RequestPool pool_;
+  LoopState state_;
+  std::unordered_set<Connection*> connections_;
 };
 
 HttpServer::HttpServer(const HttpOptions& options, Router router, Metrics& metrics, Gate* gate)

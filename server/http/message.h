@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "server/http/caller.h"
+#include "server/http/event_stream.h"
 
 namespace mapweld::server {
 
@@ -41,7 +42,8 @@ struct Request {
   std::string path;                               // as sent, percent-encoded
   std::map<std::string, std::string> parameters;  // of the path pattern, decoded
   Query query;
-  std::string content_type;  // as sent, with its parameters; empty when absent
+  std::string content_type;   // as sent, with its parameters; empty when absent
+  std::string last_event_id;  // as sent; empty when absent
   std::string body;
   std::string request_id;
   std::shared_ptr<const Caller> caller;  // null: everything may be used
@@ -53,8 +55,8 @@ struct Request {
   }
 };
 
-// Takes the next piece of a streamed body. False: the client has gone, stop.
-using ChunkWriter = std::function<bool(std::string_view)>;
+// Appends the next piece of a streamed body, some tens of kB. False: it was the last.
+using NextPiece = std::function<bool(std::string& piece)>;
 
 struct Reply {
   int status = 200;
@@ -62,9 +64,13 @@ struct Reply {
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers;
   std::string subject;  // what was changed, where the path does not say: for the log, never sent
-  // When set, the body is streamed instead (chunked): called once, after the handler has returned. An exception in it
-  // breaks the connection off, so that the client cannot take a part for the whole.
-  std::function<void(const ChunkWriter&)> stream;
+  // When set, the body is streamed instead (chunked): called by any thread, after the handler has returned, and again
+  // when the client has taken the last piece, so that one who reads slowly holds a piece and no thread. An exception in
+  // it breaks the connection off, so that the client cannot take a part for the whole.
+  NextPiece stream;
+  // When set, the body is what comes from here, until it ends or the client goes; a comment (": ") every
+  // event_heartbeat_ms. Holds no thread.
+  std::shared_ptr<EventStream> events;
 };
 
 using Handler = std::function<Reply(const Request&)>;

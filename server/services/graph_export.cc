@@ -15,7 +15,7 @@
 namespace mapweld::server {
 namespace {
 
-constexpr std::size_t kRowsAtOnce = 1000;
+constexpr std::size_t kRowsAtOnce = 300;  // some 64 kB
 
 using contract::Json;
 
@@ -167,37 +167,68 @@ struct Source {
       : db(store.read()), map(require_map(db, name)), layout(load_layout(db, map.id)) {}
 };
 
-bool write_vertices(const Source& source, Format& format, const TextWriter& write) {
-  MapNames names(source.db);
-  std::optional<VertexId> last;
-  while (true) {
-    const std::vector<VertexRow> rows = list_vertices(source.db, source.layout, kRowsAtOnce, last);
-    if (rows.empty()) return true;
+// Writes the graph a page of rows at a time.
+class Export {
+ public:
+  Export(Store& store, const std::string& map, GraphFormat format)
+      : source_(store, map), names_(source_.db), format_(make_format(format)) {}
+
+  bool next(std::string& piece) {
+    switch (stage_) {
+      case Stage::kBegin:
+        piece += format_->begin(source_.map.name);
+        stage_ = format_->wants_vertices() ? Stage::kVertices : Stage::kBetween;
+        return true;
+      case Stage::kVertices:
+        if (!add_vertices(piece)) stage_ = Stage::kBetween;
+        return true;
+      case Stage::kBetween:
+        piece += format_->between();
+        stage_ = Stage::kEdges;
+        return true;
+      case Stage::kEdges:
+        if (add_edges(piece)) return true;
+        piece += format_->end();
+    }
+    return false;
+  }
+
+ private:
+  enum class Stage : std::uint8_t { kBegin, kVertices, kBetween, kEdges };
+
+  // False: there are no more; likewise of edges.
+  bool add_vertices(std::string& piece) {
+    const std::vector<VertexRow> rows = list_vertices(source_.db, source_.layout, kRowsAtOnce, last_vertex_);
+    if (rows.empty()) return false;
     const std::uint32_t first = to_index(rows.front().vertex);
     const std::vector<std::int64_t> degrees =
-        count_confirmed_edges_at(source.db, source.layout, VertexId{first}, to_index(rows.back().vertex) - first + 1);
+        count_confirmed_edges_at(source_.db, source_.layout, VertexId{first}, to_index(rows.back().vertex) - first + 1);
     for (const VertexRow& row : rows) {
-      const auto vertex = describe_vertex(row, names(row.image.map), degrees[to_index(row.vertex) - first]);
-      if (!write(format.vertex(vertex, !last && &row == rows.data()))) return false;
+      const auto vertex = describe_vertex(row, names_(row.image.map), degrees[to_index(row.vertex) - first]);
+      piece += format_->vertex(vertex, !last_vertex_);
+      last_vertex_ = row.vertex;
     }
-    if (rows.size() < kRowsAtOnce) return true;
-    last = rows.back().vertex;
+    return rows.size() == kRowsAtOnce;
   }
-}
 
-bool write_edges(const Source& source, Format& format, const TextWriter& write) {
-  EdgeCursor cursor;
-  bool first = true;
-  while (true) {
-    const EdgePage page = list_edges(source.db, source.layout, {}, kRowsAtOnce, cursor);
+  bool add_edges(std::string& piece) {
+    const EdgePage page = list_edges(source_.db, source_.layout, {}, kRowsAtOnce, next_edge_);
     for (const EdgeRow& row : page.edges) {
-      if (!write(format.edge(describe_edge(row), first))) return false;
-      first = false;
+      piece += format_->edge(describe_edge(row), first_edge_);
+      first_edge_ = false;
     }
-    if (!page.next) return true;
-    cursor = *page.next;
+    if (page.next) next_edge_ = *page.next;
+    return page.next.has_value();
   }
-}
+
+  const Source source_;
+  MapNames names_;
+  const std::unique_ptr<Format> format_;
+  Stage stage_ = Stage::kBegin;
+  std::optional<VertexId> last_vertex_;
+  EdgeCursor next_edge_;
+  bool first_edge_ = true;
+};
 
 }  // namespace
 
@@ -223,15 +254,9 @@ std::string_view media_type(GraphFormat format) {
   return "text/csv";
 }
 
-std::function<void(const TextWriter& write)> export_graph(Store& store, const std::string& map, GraphFormat format) {
-  const auto source = std::make_shared<Source>(store, map);
-  return [source, format](const TextWriter& write) {
-    const std::unique_ptr<Format> text = make_format(format);
-    if (!write(text->begin(source->map.name))) return;
-    if (text->wants_vertices() && !write_vertices(*source, *text, write)) return;
-    if (!write(text->between()) || !write_edges(*source, *text, write)) return;
-    write(text->end());
-  };
+std::function<bool(std::string& piece)> export_graph(Store& store, const std::string& map, GraphFormat format) {
+  const auto whole = std::make_shared<Export>(store, map, format);
+  return [whole](std::string& piece) { return whole->next(piece); };
 }
 
 }  // namespace mapweld::server

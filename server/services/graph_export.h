@@ -20,9 +20,8 @@ enum class GraphFormat : std::uint8_t {
 std::optional<GraphFormat> parse_graph_format(std::string_view word);  // "json", "graphml", "dot", "csv"
 std::string_view media_type(GraphFormat format);
 
-// Prepares the export of a map as it is now; what it returns writes it piece by piece, until `write` says false.
-// Throws ContractError no_such_map.
-using TextWriter = std::function<bool(std::string_view)>;
-std::function<void(const TextWriter& write)> export_graph(Store& store, const std::string& map, GraphFormat format);
+// Prepares the export of a map as it is now. Each call of what it returns appends the next piece, some tens of kB;
+// false: it was the last. Any thread, one call at a time. Throws ContractError no_such_map.
+std::function<bool(std::string& piece)> export_graph(Store& store, const std::string& map, GraphFormat format);
 
 }  // namespace mapweld::server

@@ -145,10 +145,12 @@ void run(const std::filesystem::path& folder, std::uint32_t vertices) {
   });
   measure("the graph, as JSON", 1, [&] {
     std::size_t bytes = 0;
-    server::export_graph(store, "a", server::GraphFormat::kJson)([&](std::string_view text) {
-      bytes += text.size();
-      return true;
-    });
+    const auto next = server::export_graph(store, "a", server::GraphFormat::kJson);
+    for (bool more = true; more;) {
+      std::string piece;
+      more = next(piece);
+      bytes += piece.size();
+    }
     return bytes;
   });
   std::size_t steps = 0;

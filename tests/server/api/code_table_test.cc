@@ -101,7 +101,7 @@ TEST_F(CodeTable, IsReachedWholeAndNothingStoredChanges) {
       {"vocabulary_mismatch", [&] { return api_.post("/v1/merges", R"({"maps":["a","c"],"name":"x"})").code(); }},
       {"wrong_state", [&] { return api_.post("/v1/merges/1/pause", "").code(); }},
       {"nothing_to_resume", [&] { return api_.post("/v1/merges/1/resume", "").code(); }},
-      {"length_required", [&] { return raw("POST /v1/maps HTTP/1.1\r\nHost: x\r\n\r\n"); }},
+      {"length_required", [&] { return raw("POST /v1/maps HTTP/1.1\r\nHost: localhost\r\n\r\n"); }},
       {"body_too_large", [&] { return api_.post_image(images, std::string((4 << 20) + 1, 'x')).code(); }},
       {"image_too_large", [&] { return api_.post_image(images, png_of_size(20'000, 20'000)).code(); }},
       {"too_many_images",
@@ -112,6 +112,7 @@ TEST_F(CodeTable, IsReachedWholeAndNothingStoredChanges) {
       {"uri_too_long", [&] { return api_.get("/" + std::string(9000, 'x')).code(); }},
       {"unsupported_image", [&] { return api_.post_image(images, "GIF89a").code(); }},
       {"unsupported_media_type", [&] { return api_.post_image(images + "/batch", image).code(); }},
+      {"unknown_host", [&] { return raw("GET /v1/maps HTTP/1.1\r\nHost: rebound.example\r\n\r\n"); }},
       {"undecodable_image", [&] { return api_.post_image(images, image.substr(0, image.size() / 2)).code(); }},
       {"empty_mask",
        [&] { return api_.put("/v1/maps/a/mask", png(cv::Mat::zeros(4, 4, CV_8UC1)), "image/png").code(); }},
@@ -141,7 +142,7 @@ TEST_F(CodeTable, IsReachedWholeAndNothingStoredChanges) {
        }},
   };
   const std::map<std::string, std::string> elsewhere = {
-      {"busy", "HttpServerTest.TurnsConnectionsAwayWhenTooManyWait, AllBodiesTogetherHaveALimit"},
+      {"busy", "HttpLimits.TurnsRequestsAwayWhenTooManyWait, AllBodiesTogetherHaveALimit"},
       {"shutting_down", "ImageService.AServerThatStopsRefusesWhatIsNotYetStored"},
       {"internal_error", "HttpServerTest.AnExceptionTellsTheClientNothingOfTheInside"},
       {"no_such_backup", "backups are not offered yet"},

@@ -80,17 +80,21 @@ TEST_F(HttpFraming, ContentEncodingIsRefused) {
 TEST_F(HttpFraming, MalformedHeadsAreRefused) {
   start();
   for (const char* head : {
-           "GET /hello HTTP/1.1\nHost: x\r\n\r\n",                                            // a bare line feed
-           "GET /hello HTTP/1.1\r\nHost: x\r\n folded: 1\r\n\r\n",                            // folded
-           "GET /hello HTTP/1.1\r\n: x\r\n\r\n",                                              // nameless
-           "GET /hello HTTP/1.1\r\nBad Name: x\r\n\r\n",                                      // no token
-           "GET /hello HTTP/1.1\r\nnothing\r\n\r\n",                                          // no colon
-           "POST /echo HTTP/1.1\r\nContent-Length: 1\r\nContent-Length: 2\r\n\r\nx",          // contradiction
-           "POST /echo HTTP/1.1\r\nContent-Length: 1\r\nTransfer-Encoding: chunked\r\n\r\n",  // likewise
-           "POST /echo HTTP/1.1\r\nTransfer-Encoding: gzip, chunked\r\n\r\n",
-           "POST /echo HTTP/1.1\r\nContent-Length: -1\r\n\r\n", "POST /echo HTTP/1.1\r\nContent-Length: +1\r\n\r\nx",
-           "GET /hello HTTP/3.0\r\n\r\n", "FETCH /hello HTTP/1.1\r\n\r\n",
-           "\x16\x03\x01\r\n\r\n",  // TLS, or something
+           "GET /hello HTTP/1.1\nHost: x\r\n\r\n",                                               // a bare line feed
+           "GET /hello HTTP/1.1\r\nHost: x\r\n folded: 1\r\n\r\n",                               // folded
+           "GET /hello HTTP/1.1\r\nHost: x\r\n: x\r\n\r\n",                                      // nameless
+           "GET /hello HTTP/1.1\r\nHost: x\r\nBad Name: x\r\n\r\n",                              // no token
+           "GET /hello HTTP/1.1\r\nHost: x\r\nnothing\r\n\r\n",                                  // no colon
+           "POST /echo HTTP/1.1\r\nHost: x\r\nContent-Length: 1\r\nContent-Length: 2\r\n\r\nx",  // contradiction
+           "POST /echo HTTP/1.1\r\nHost: x\r\nContent-Length: 1\r\nTransfer-Encoding: chunked\r\n\r\n",  // likewise
+           "POST /echo HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: gzip, chunked\r\n\r\n",
+           "POST /echo HTTP/1.1\r\nHost: x\r\nContent-Length: -1\r\n\r\n",
+           "POST /echo HTTP/1.1\r\nHost: x\r\nContent-Length: +1\r\n\r\nx", "GET /hello HTTP/3.0\r\nHost: x\r\n\r\n",
+           "FETCH /hello HTTP/1.1\r\nHost: x\r\n\r\n", "GET  /hello HTTP/1.1\r\nHost: x\r\n\r\n",
+           "GET /hel lo HTTP/1.1\r\nHost: x\r\n\r\n",
+           "GET /hello HTTP/1.1\r\n\r\n",                        // for no host
+           "GET /hello HTTP/1.1\r\nHost: x\r\nHost: x\r\n\r\n",  // for two
+           "\x16\x03\x01\r\n\r\n",                               // TLS, or something
        }) {
     const std::string reply = exchange(head);
     EXPECT_THAT(reply, StartsWith("HTTP/1.1 400 ")) << head;

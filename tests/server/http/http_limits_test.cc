@@ -1,7 +1,9 @@
 // What the server takes at most: sizes, times, connections; and how it stops.
 #include <chrono>
+#include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -61,26 +63,120 @@ TEST_F(HttpLimits, SlowClientsAreGivenUp) {
   options.connection.body_idle_timeout_ms = 200;
   start(options);
   EXPECT_EQ(code(exchange("GET /hello HTTP/1.1\r\nHost: ")), "request_timeout");
-  EXPECT_EQ(code(exchange("POST /echo HTTP/1.1\r\nContent-Length: 10\r\n\r\nabc")), "request_timeout");
+  EXPECT_EQ(code(exchange("POST /echo HTTP/1.1\r\nHost: x\r\nContent-Length: 10\r\n\r\nabc")), "request_timeout");
 }
 
-TEST_F(HttpLimits, IdleConnectionsGiveTheirThreadToThoseThatWait) {
+TEST_F(HttpLimits, ABodyMustComeAtALeastRateOnTheWhole) {
   HttpOptions options;
-  options.threads = 2;
-  options.connection.idle_timeout_ms = 60'000;
+  options.connection.rate_grace_ms = 300;
+  options.connection.min_rate_bytes_per_s = 1000;
   start(options);
-  RawClient idle_1(port_);
-  RawClient idle_2(port_);
-  for (RawClient* idle : {&idle_1, &idle_2}) {
-    idle->send("GET /hello HTTP/1.1\r\nHost: x\r\n\r\n");
-    EXPECT_THAT(idle->receive(), HasSubstr("hello"));
+  const std::string head = "POST /echo HTTP/1.1\r\nHost: x\r\nContent-Length: 1000\r\n\r\n";
+  RawClient slow(port_);  // 3 bytes each 50 ms: never still, 60 a second
+  slow.send(head);
+  bool open = true;
+  for (int i = 0; i < 100 && open; ++i) open = slow.send("abc") && !slow.closed_within(0.05);
+  EXPECT_FALSE(open);
+  RawClient fast(port_);  // 100 bytes each 50 ms: 2,000 a second
+  fast.send(head);
+  for (int i = 0; i < 10; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    fast.send(std::string(100, 'x'));
+  }
+  EXPECT_THAT(fast.receive(), StartsWith("HTTP/1.1 200 "));
+}
+
+// Each of these held a thread once.
+TEST_F(HttpLimits, SlowClientsHoldNoThread) {
+  HttpOptions options;
+  options.threads = 1;
+  start(options);
+  std::vector<std::unique_ptr<RawClient>> slow;
+  for (int i = 0; i < 50; ++i) {
+    slow.push_back(std::make_unique<RawClient>(port_));
+    slow.back()->send("GET /hel");
+    slow.push_back(std::make_unique<RawClient>(port_));
+    slow.back()->send("POST /echo HTTP/1.1\r\nHost: x\r\nContent-Length: 100\r\n\r\nabc");
+    slow.push_back(std::make_unique<RawClient>(port_));
+    slow.back()->send("GET /hello HTTP/1.1\r\nHost: x\r\n\r\n");
+    EXPECT_THAT(slow.back()->receive(), HasSubstr("hello"));
   }
   const auto started = std::chrono::steady_clock::now();
-  EXPECT_TRUE(client().Get("/hello"));
-  EXPECT_LT(std::chrono::steady_clock::now() - started, std::chrono::seconds(30));
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(client().Get("/hello"));
+  EXPECT_LT(std::chrono::steady_clock::now() - started, std::chrono::seconds(4));
+  slow[0]->send("lo HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_THAT(slow[0]->receive(), HasSubstr("hello"));
+  slow[1]->send(std::string(97, 'x'));
+  EXPECT_THAT(slow[1]->receive(), HasSubstr("abcx"));
 }
 
-TEST_F(HttpLimits, TurnsConnectionsAwayWhenTooManyWait) {
+TEST_F(HttpLimits, AReaderWhoStandsStillHoldsNoThread) {
+  HttpOptions options;
+  options.threads = 2;
+  options.connection.write_timeout_ms = 500;
+  start(options);
+  RawClient still_1(port_);
+  RawClient still_2(port_);
+  for (RawClient* still : {&still_1, &still_2}) still->send("GET /endless HTTP/1.1\r\nHost: x\r\n\r\n");
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  EXPECT_TRUE(client().Get("/hello"));
+  EXPECT_EQ(code(exchange("GET /endless HTTP/1.1\r\nHost: x\r\n\r\n")), "busy");  // as many as threads
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  std::string reply;
+  while (!reply.starts_with("HTTP/1.1 200 ") && std::chrono::steady_clock::now() < deadline) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    reply = exchange("HEAD /endless HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+  }
+  EXPECT_THAT(reply, StartsWith("HTTP/1.1 200 "));  // both were given up
+  EXPECT_LT(pieces_, 1'000);                        // what the kernel's buffers hold, not all there is
+}
+
+TEST_F(HttpLimits, AReaderWhoGoesOnIsNotGivenUp) {
+  HttpOptions options;
+  options.connection.write_timeout_ms = 500;
+  start(options);
+  RawClient reader(port_);
+  reader.send("GET /endless HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_FALSE(reader.closed_within(2));
+}
+
+TEST_F(HttpLimits, TheConnectionIdleForLongestMakesRoom) {
+  HttpOptions options;
+  options.max_connections = 3;
+  options.connection.idle_timeout_ms = 60'000;
+  start(options);
+  RawClient head(port_);  // busy, if slowly
+  head.send("GET /hel");
+  RawClient idle_1(port_);
+  idle_1.send("GET /hello HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_THAT(idle_1.receive(), HasSubstr("hello"));
+  RawClient idle_2(port_);
+  idle_2.send("GET /hello HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_THAT(idle_2.receive(), HasSubstr("hello"));
+  EXPECT_TRUE(client().Get("/hello"));
+  EXPECT_TRUE(idle_1.closed_within(5));
+  idle_2.send("GET /hello HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_THAT(idle_2.receive(), HasSubstr("hello"));
+}
+
+TEST_F(HttpLimits, ConnectionsThatFindNoRoomAreTold) {
+  HttpOptions options;
+  options.max_connections = 2;
+  start(options);
+  RawClient head_1(port_);
+  RawClient head_2(port_);
+  head_1.send("GET /hel");
+  head_2.send("GET /hel");
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  RawClient refused(port_);
+  const std::string reply = refused.receive();
+  EXPECT_THAT(reply, StartsWith("HTTP/1.1 503 "));
+  EXPECT_EQ(code(reply), "busy");
+  head_1.send("lo HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_THAT(head_1.receive(), HasSubstr("hello"));
+}
+
+TEST_F(HttpLimits, TurnsRequestsAwayWhenTooManyWait) {
   HttpOptions options;
   options.threads = 1;
   options.max_waiting = 1;
@@ -91,8 +187,7 @@ TEST_F(HttpLimits, TurnsConnectionsAwayWhenTooManyWait) {
   RawClient waiting(port_);
   waiting.send("GET /hello HTTP/1.1\r\nHost: x\r\n\r\n");
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  RawClient refused(port_);
-  const std::string reply = refused.receive();
+  const std::string reply = exchange("GET /hello HTTP/1.1\r\nHost: x\r\n\r\n");
   EXPECT_THAT(reply, StartsWith("HTTP/1.1 503 "));
   EXPECT_EQ(code(reply), "busy");
   EXPECT_THAT(working.receive(), HasSubstr("slow"));

@@ -26,6 +26,7 @@ class HttpServerTest : public ::testing::Test {
  protected:
   void start(HttpOptions options = {}) {
     options.port = 0;
+    options.allowed_hosts.insert(options.allowed_hosts.end(), {"x", "maps.example"});
     Router router;
     router.add({.method = "GET", .pattern = "/hello", .handler = [](const Request&) { return text("hello"); }});
     router.add({.method = "GET", .pattern = "/query", .query = {"a"}, .handler = [](const Request& request) {
@@ -54,18 +55,34 @@ class HttpServerTest : public ::testing::Test {
                 }});
     router.add({.method = "GET", .pattern = "/stream", .handler = [](const Request&) {
                   Reply reply = text("");
-                  reply.stream = [](const ChunkWriter& write) {
-                    for (int i = 0; i < 50'000; ++i) {
-                      if (!write("line " + std::to_string(i) + "\n")) return;
-                    }
+                  reply.stream = [i = 0](std::string& piece) mutable {
+                    while (piece.size() < 10'000 && i < 50'000) piece += "line " + std::to_string(i++) + "\n";
+                    return i < 50'000;
                   };
+                  return reply;
+                }});
+    router.add({.method = "GET", .pattern = "/endless", .handler = [this](const Request&) {
+                  Reply reply = text("");
+                  reply.stream = [this](std::string& piece) {
+                    ++pieces_;
+                    piece.assign(64'000, 'x');
+                    return true;
+                  };
+                  return reply;
+                }});
+    router.add({.method = "GET", .pattern = "/events", .handler = [this](const Request& request) {
+                  Reply reply;
+                  reply.content_type = "text/event-stream";
+                  reply.events = events_;
+                  events_->start("last id " + request.last_event_id + ".\n");
                   return reply;
                 }});
     router.add({.method = "GET", .pattern = "/broken-stream", .handler = [](const Request&) {
                   Reply reply = text("");
-                  reply.stream = [](const ChunkWriter& write) {
-                    write(std::string(100'000, 'x'));
-                    throw std::runtime_error("the disk went away");
+                  reply.stream = [first = true](std::string& piece) mutable {
+                    if (!std::exchange(first, false)) throw std::runtime_error("the disk went away");
+                    piece.assign(100'000, 'x');
+                    return true;
                   };
                   return reply;
                 }});
@@ -110,7 +127,9 @@ class HttpServerTest : public ::testing::Test {
 
   Metrics metrics_;
   Gate* gate_ = nullptr;  // set before start()
-  std::atomic<int> slow_{0};
+  std::shared_ptr<EventStream> events_ = std::make_shared<EventStream>();
+  std::atomic<int> slow_{0};    // calls of /slow
+  std::atomic<int> pieces_{0};  // of /endless
   std::unique_ptr<HttpServer> server_;
   int port_ = 0;
   std::thread thread_;

@@ -57,6 +57,14 @@ class RawClient {
     }
   }
 
+  // What arrives next, or has; "timeout" when nothing does for 20 s or the server has closed.
+  std::string receive_some() {
+    std::string some = std::move(ahead_);
+    ahead_.clear();
+    if (some.empty() && !more(some)) return "timeout";
+    return some;
+  }
+
   // Whether the server closes within `seconds`.
   bool closed_within(double seconds) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
