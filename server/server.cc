@@ -91,6 +91,8 @@ class Server::Impl {
     judges_.stop();
   }
 
+  void reload_certificate() { http_.reload_certificate(); }
+
   void stop() {
     if (stopping_.exchange(true)) return;
     stopping_.notify_all();
@@ -197,6 +199,7 @@ Server::Server(const ServerConfig& config) : impl_(std::make_unique<Impl>(config
 Server::~Server() = default;
 int Server::port() const { return impl_->port(); }
 void Server::run() { impl_->run(); }
+void Server::reload_certificate() { impl_->reload_certificate(); }
 void Server::stop() { impl_->stop(); }
 
 }  // namespace mapweld::server

@@ -22,6 +22,9 @@ class Server {
   // Serves until stop(). Returns when the requests under way are answered and running merges are checkpointed.
   void run();
 
+  // Reads the certificate and its key again (HttpServer::reload_certificate). Any thread.
+  void reload_certificate();
+
   // Any thread; returns at once. Takes no new requests; finishes those under way, but of large batches only the images
   // that it gets to within 3 s.
   void stop();

@@ -44,13 +44,15 @@ void raise_descriptor_limit() {
   ::setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-// Waits for SIGTERM and SIGINT on a thread of its own; every other thread has them blocked.
-class StopSignal {
+// Waits for SIGTERM and SIGINT, and where there is a certificate for SIGHUP, on a thread of its own; every other thread
+// has them blocked.
+class Signals {
  public:
-  StopSignal() {
+  explicit Signals(bool with_certificate) {
     sigemptyset(&signals_);
     sigaddset(&signals_, SIGTERM);
     sigaddset(&signals_, SIGINT);
+    if (with_certificate) sigaddset(&signals_, SIGHUP);
     pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
     std::signal(SIGPIPE, SIG_IGN);
   }
@@ -59,9 +61,12 @@ class StopSignal {
   // is safe at any moment, so nothing is lost by that.
   void watch(Server& server) {
     thread_ = std::thread([this, &server] {
-      int signal = 0;
-      sigwait(&signals_, &signal);
-      if (finished()) return;
+      int signal = SIGHUP;
+      while (signal == SIGHUP) {
+        sigwait(&signals_, &signal);
+        if (finished()) return;
+        if (signal == SIGHUP) reload(server);
+      }
       spdlog::info("stopping: {}", signal == SIGTERM ? "SIGTERM" : "SIGINT");
       server.stop();
       const auto deadline = std::chrono::steady_clock::now() + kStopWithin;
@@ -87,6 +92,15 @@ class StopSignal {
   }
 
  private:
+  static void reload(Server& server) {
+    try {
+      server.reload_certificate();
+      spdlog::info("SIGHUP: the certificate was read again");
+    } catch (const std::exception& error) {
+      spdlog::error("SIGHUP: {}; the former certificate stays", error.what());
+    }
+  }
+
   bool finished() {
     const std::lock_guard lock(mutex_);
     return finished_;
@@ -103,16 +117,17 @@ void serve(const ServerConfig& config) {
   keep_freed_memory();
   raise_descriptor_limit();
   cv::setNumThreads(0);  // one image a thread
-  StopSignal signal;
+  const bool tls = !config.http.tls_certificate.empty();
+  Signals signals(tls);
   Server server(config);
   const bool ipv6 = config.http.host.find(':') != std::string::npos;
   const std::string host = ipv6 ? "[" + config.http.host + "]" : config.http.host;
-  const std::string url = "http://" + host + ":" + std::to_string(server.port());
+  const std::string url = (tls ? "https://" : "http://") + host + ":" + std::to_string(server.port());
   spdlog::info("mapweld-server {} over {}", version(), config.data.string());
   std::cout << "listening on " << url << std::endl;
-  signal.watch(server);
+  signals.watch(server);
   server.run();
-  signal.finish();
+  signals.finish();
   spdlog::info("stopped");
 }
 
@@ -136,6 +151,13 @@ void add_serve_command(CLI::App& app) {
       ->add_option("--allowed-host", config->http.allowed_hosts,
                    "A name by which clients may call this server, beside its address; may be repeated; * allows any")
       ->envname("MAPWELD_ALLOWED_HOST");
+  CLI::Option* certificate =
+      command->add_option("--tls-cert", config->http.tls_certificate, "PEM file of a certificate: serves HTTPS")
+          ->envname("MAPWELD_TLS_CERT");
+  CLI::Option* key = command->add_option("--tls-key", config->http.tls_key, "PEM file of its key")
+                         ->envname("MAPWELD_TLS_KEY")
+                         ->needs(certificate);
+  certificate->needs(key);
   command->add_option("--threads", config->http.threads, "Requests worked on at the same time")
       ->envname("MAPWELD_THREADS")
       ->check(CLI::Range(1, 1024))

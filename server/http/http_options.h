@@ -26,6 +26,8 @@ struct HttpOptions {
   std::string host = "127.0.0.1";
   int port = 8080;                                   // 0: any free one
   std::vector<std::string> allowed_hosts = {};       // host names that requests may be for, beside host_names.h's
+  std::string tls_certificate = {};                  // PEM file, with those that vouch for it; empty: no TLS
+  std::string tls_key = {};                          // PEM file
   int threads = 32;                                  // requests worked on at the same time
   std::size_t max_waiting = 256;                     // requests that may wait for a thread; more get 503 busy
   std::size_t max_connections = 4096;                // at the same time, as far as there are descriptors

@@ -69,6 +69,7 @@ class HttpServer::Impl {
                .received = std::vector<char>(kReceiveBytes)} {
     std::random_device entropy;
     state_.id_prefix = entropy();
+    tls_ = load_certificate();
   }
 
   int bind() {
@@ -90,6 +91,10 @@ class HttpServer::Impl {
     pool_.join();
   }
 
+  void reload_certificate() {
+    asio::post(loop_, [this, tls = load_certificate()] { tls_ = tls; });
+  }
+
   void drain() {
     asio::post(loop_, [this] {
       if (std::exchange(state_.draining, true)) return;
@@ -101,6 +106,14 @@ class HttpServer::Impl {
   }
 
  private:
+  std::shared_ptr<const TlsCredentials> load_certificate() const {
+    if (options_.tls_certificate.empty() && options_.tls_key.empty()) return nullptr;
+    if (options_.tls_certificate.empty() || options_.tls_key.empty()) {
+      throw std::runtime_error("TLS needs a certificate and its key");
+    }
+    return std::make_shared<const TlsCredentials>(options_.tls_certificate, options_.tls_key);
+  }
+
   boost::system::error_code listen(const tcp::endpoint& endpoint) {
     boost::system::error_code error;
     acceptor_.close(error);
@@ -129,8 +142,8 @@ class HttpServer::Impl {
   // A connection's whole life.
   awaitable<void> hold(tcp::socket socket) {
     const bool room = connections_.size() < max_connections_ || make_room();
-    if (!room && connections_.size() >= max_connections_ + kTurnedAwayAtOnce) co_return;
-    Connection connection(Transport(std::move(socket)), state_);
+    if (!room && (tls_ || connections_.size() >= max_connections_ + kTurnedAwayAtOnce)) co_return;
+    Connection connection(Transport(std::move(socket), tls_.get()), state_);
     const Listed listed(*this, connection);
     if (room) {
       co_await connection.serve();
@@ -190,6 +203,7 @@ class HttpServer::Impl {
   asio::steady_timer sweep_timer_{loop_};
   RequestPool pool_;
   LoopState state_;
+  std::shared_ptr<const TlsCredentials> tls_;  // null: none
   std::unordered_set<Connection*> connections_;
 };
 
@@ -198,6 +212,7 @@ HttpServer::HttpServer(const HttpOptions& options, Router router, Metrics& metri
 HttpServer::~HttpServer() = default;
 int HttpServer::bind() { return impl_->bind(); }
 void HttpServer::serve() { impl_->serve(); }
+void HttpServer::reload_certificate() { impl_->reload_certificate(); }
 void HttpServer::drain() { impl_->drain(); }
 
 }  // namespace mapweld::server

@@ -16,6 +16,7 @@ namespace mapweld::server {
 class HttpServer {
  public:
   // `metrics` and `gate` must outlive this; without a gate everybody is let in.
+  // Throws std::runtime_error for a certificate or key that cannot be used.
   HttpServer(const HttpOptions& options, Router router, Metrics& metrics, Gate* gate = nullptr);
   ~HttpServer();  // after serve() has returned
   HttpServer(const HttpServer&) = delete;
@@ -26,6 +27,10 @@ class HttpServer {
 
   // Runs the loop on this thread until drain() was called and the requests under way are answered. After bind().
   void serve();
+
+  // Reads certificate and key again, for the connections to come. Throws std::runtime_error when they cannot be used,
+  // and the former ones stay. Any thread; does nothing without TLS.
+  void reload_certificate();
 
   // Stops taking connections; requests under way are finished, each with "Connection: close". Any thread; idempotent.
   void drain();
