@@ -77,6 +77,11 @@ void sync_folder(const fs::path& folder) {
   if (result != 0) throw system_error_of(error, "cannot sync " + folder.string());
 }
 
+void take_from_others(const fs::path& file) {
+  std::error_code not_ours;  // then its owner sees to it
+  fs::permissions(file, fs::perms::others_all, fs::perm_options::remove, not_ours);
+}
+
 // The database appears under its name when it is complete.
 void create_database(const fs::path& file) {
   fs::path fresh = file;
@@ -106,7 +111,7 @@ class FolderLock {
   // the file lets no second server in. Some network file systems lock no folders; there the file has to do.
   explicit FolderLock(const fs::path& file)
       : folder_(::open(file.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-    descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
     if (descriptor_ < 0) {
       const int error = errno;
       ::close(folder_);
@@ -150,6 +155,18 @@ class FolderLock {
 
 }  // namespace
 
+void make_data_folder(const fs::path& folder) {
+  std::error_code error;
+  if (fs::is_directory(folder, error)) return;
+  fs::path path = fs::absolute(folder);
+  if (!path.has_filename()) path = path.parent_path();  // "data/"
+  fs::create_directories(path.parent_path(), error);
+  if (!error && ::mkdir(path.c_str(), 0700) != 0 && !fs::is_directory(path)) {
+    error.assign(errno, std::generic_category());
+  }
+  if (error) throw system_error_of(error.value(), "cannot create the data folder " + folder.string());
+}
+
 class DataFolder::Lock : public FolderLock {
   using FolderLock::FolderLock;
 };
@@ -162,11 +179,7 @@ DataFolder::DataFolder(const fs::path& folder, const DataFolderOptions& options)
   // Before anything is made in the folder: a foreign database stays as it is, without even a lock beside it.
   bool exists = check_header(file);
   if (!exists && !serve) throw StoreError(StoreErrorKind::kNotFound, "there is no database in " + folder_.string());
-  if (serve) {
-    std::error_code error;
-    fs::create_directories(folder_, error);
-    if (error) throw system_error_of(error.value(), "cannot create the data folder " + folder_.string());
-  }
+  if (serve) make_data_folder(folder_);
 
   lock_ = std::make_unique<Lock>(folder_ / kLockFile);
   if (serve && !lock_->held()) {
@@ -182,6 +195,9 @@ DataFolder::DataFolder(const fs::path& folder, const DataFolderOptions& options)
                                                    ": put the database back, or remove the WAL to begin anew");
   }
   if (!exists) create_database(file);
+  if (serve) {
+    for (const fs::path& own : {file, wal, folder_ / "mapweld.db-shm", folder_ / "mapweld.lock"}) take_from_others(own);
+  }
   StoreOptions store_options = options.store;
   if (serve) {
     sqlite::Connection connection(file, sqlite::OpenMode::kReadWrite);
@@ -205,9 +221,8 @@ DataFolder::~DataFolder() = default;
 
 void restore_backup(const fs::path& backup, const fs::path& folder) {
   if (!check_header(backup)) throw StoreError(StoreErrorKind::kNotFound, "there is no backup " + backup.string());
+  make_data_folder(folder);
   std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw system_error_of(error.value(), "cannot create the data folder " + folder.string());
   const FolderLock lock(folder / kLockFile);
   if (!lock.held()) throw StoreError(StoreErrorKind::kFolderInUse, folder.string() + " is in use by a server");
   const fs::path file = folder / kDatabaseFile;

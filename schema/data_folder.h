@@ -12,6 +12,9 @@ namespace mapweld {
 // PRAGMA application_id of every Mapweld database: "MWLD".
 inline constexpr std::int32_t kApplicationId = 0x4D574C44;
 
+// Makes the folder, for its owner only (0700), when it is missing; what exists is left as it is.
+void make_data_folder(const std::filesystem::path& folder);
+
 struct DataFolderOptions {
   // kServe: takes the lock, creates what is missing, brings an older schema up to date.
   // kInspect: changes nothing, reads only, also beside a running server; keeps a server from starting when none runs.
@@ -23,6 +26,9 @@ struct DataFolderOptions {
 // free again.
 //
 // - A missing folder or database is created; the database appears complete or not at all.
+// - What is made is its owner's only: the folder 0700, the files 0600. Files that everybody may read, as earlier
+// versions
+//   made them, lose that; the rights of a group stay as they are.
 // - An older schema is brought up to date, one transaction a version.
 // - Refused, and nothing changed: a folder in use by another process (kFolderInUse), a database of another application
 // or

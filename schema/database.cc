@@ -4,7 +4,9 @@
 #include <cstring>
 #include <utility>
 
+#include <fcntl.h>
 #include <sqlite3.h>
+#include <unistd.h>
 
 namespace mapweld::sqlite {
 namespace {
@@ -43,6 +45,13 @@ StoreErrorKind kind_of(int extended, int system_errno) {
     default:
       return StoreErrorKind::kInternal;
   }
+}
+
+// SQLite would make it readable for everybody. An empty file is a database to it; what exists is left as it is. (Never
+// open and close a file that is a database already: that ends the locks of this process on it.)
+void create_for_owner(const std::filesystem::path& file) {
+  const int descriptor = ::open(file.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
+  if (descriptor >= 0) ::close(descriptor);
 }
 
 }  // namespace
@@ -166,6 +175,7 @@ Connection::Connection(const std::filesystem::path& file, OpenMode mode) {
       flags |= SQLITE_OPEN_READONLY;
       break;
   }
+  if (mode == OpenMode::kCreate) create_for_owner(file);
   const int result = sqlite3_open_v2(file.c_str(), &handle_, flags, nullptr);
   if (result != SQLITE_OK) {
     const StoreError error = error_of(handle_, result, "cannot open " + file.string());

@@ -95,7 +95,7 @@ class Statement {
 // How a connection opens its file.
 enum class OpenMode : std::uint8_t {
   kReadWrite,  // the file must exist
-  kCreate,     // created when missing
+  kCreate,     // created when missing, for its owner only (0600), as the files that SQLite lays beside it are
   kReadOnly,   // and query_only
 };
 

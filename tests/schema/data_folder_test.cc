@@ -224,6 +224,27 @@ TEST(DataFolder, InspectionReadsBesideAServerAndWritesNothing) {
   EXPECT_EQ(contents(temp.path()), before);
 }
 
+TEST(DataFolder, WhatIsMadeIsItsOwnersOnly) {
+  constexpr fs::perms kOwnersFile = fs::perms::owner_read | fs::perms::owner_write;
+  const TempFolder temp;
+  const fs::path folder = temp.path() / "data";
+  {
+    DataFolder data(folder);
+    test::add_vocabulary(data.store());
+    EXPECT_EQ(fs::status(folder).permissions(), fs::perms::owner_all);
+    int files = 0;
+    for (const fs::directory_entry& file : fs::directory_iterator(folder)) {
+      EXPECT_EQ(file.status().permissions(), kOwnersFile) << file.path();
+      ++files;
+    }
+    EXPECT_GE(files, 4);  // mapweld.db, its -wal and -shm, mapweld.lock, perhaps the reserve
+  }
+  // An earlier version's file, which everybody may read.
+  fs::permissions(folder / "mapweld.db", kOwnersFile | fs::perms::group_read | fs::perms::others_read);
+  const DataFolder data(folder);
+  EXPECT_EQ(fs::status(folder / "mapweld.db").permissions(), kOwnersFile | fs::perms::group_read);
+}
+
 TEST(DataFolder, AFolderThatCannotBeMadeIsAClearError) {
   const TempFolder temp;
   std::ofstream(temp.path() / "file") << "x";

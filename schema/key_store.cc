@@ -1,0 +1,90 @@
+#include "schema/key_store.h"
+
+#include <array>
+
+#include "schema/data_folder.h"
+#include "schema/migrations.h"
+#include "schema/rows.h"
+
+namespace mapweld {
+namespace {
+
+// "IF NOT EXISTS": a server and a command may make the file at the same moment.
+constexpr std::array kVersions = {Migration{.version = 1, .name = "keys_1", .sql = R"sql(
+CREATE TABLE IF NOT EXISTS keys (
+  name TEXT NOT NULL,
+  role TEXT NOT NULL CHECK (role IN ('read', 'write', 'operate', 'admin')),
+  maps TEXT NOT NULL,
+  sha256 BLOB NOT NULL UNIQUE CHECK (length(sha256) = 32),
+  created_at_us INTEGER NOT NULL,
+  revoked_at_us INTEGER
+) STRICT;
+CREATE UNIQUE INDEX IF NOT EXISTS keys_in_force ON keys (name) WHERE revoked_at_us IS NULL;
+)sql"}};
+
+std::filesystem::path file_in(const std::filesystem::path& data_folder) {
+  make_data_folder(data_folder);
+  return data_folder / "keys.db";
+}
+
+}  // namespace
+
+KeyStore::KeyStore(const std::filesystem::path& data_folder, int busy_timeout_ms)
+    : connection_(file_in(data_folder), sqlite::OpenMode::kCreate) {
+  const std::int64_t application = connection_.query_integer("PRAGMA application_id");
+  if (application != kKeysApplicationId) {
+    if (application != 0 || connection_.query_integer("SELECT count(*) FROM sqlite_schema") != 0) {
+      throw StoreError(StoreErrorKind::kForeignDatabase,
+                       (data_folder / "keys.db").string() + " is the database of another application, not Mapweld's");
+    }
+    connection_.execute("PRAGMA application_id = " + std::to_string(kKeysApplicationId));
+  }
+  // The folder's entry of the journal is synced too: a key that was said to be revoked stays so.
+  connection_.execute("PRAGMA synchronous = EXTRA");
+  migrate(connection_, kVersions);
+  connection_.set_busy_timeout_ms(busy_timeout_ms);
+}
+
+bool KeyStore::add(const KeyRow& key) {
+  sqlite::Transaction transaction(connection_, sqlite::Transaction::Kind::kWrite);
+  {
+    sqlite::Statement taken = connection_.prepare("SELECT 1 FROM keys WHERE name = ? AND revoked_at_us IS NULL");
+    taken.bind(1, key.name);
+    if (taken.step()) return false;
+  }
+  connection_.prepare("INSERT INTO keys (name, role, maps, sha256, created_at_us) VALUES (?, ?, ?, ?, ?)")
+      .bind_all(key.name, key.role, key.maps, std::span<const std::uint8_t>(key.sha256),
+                rows::microseconds(key.created_at))
+      .run();
+  transaction.commit();
+  return true;
+}
+
+bool KeyStore::revoke(const std::string& name, Timestamp at) {
+  sqlite::Transaction transaction(connection_, sqlite::Transaction::Kind::kWrite);
+  connection_.prepare("UPDATE keys SET revoked_at_us = ? WHERE name = ? AND revoked_at_us IS NULL")
+      .bind_all(rows::microseconds(at), name)
+      .run();
+  const bool found = connection_.changes() > 0;
+  transaction.commit();
+  return found;
+}
+
+std::vector<KeyRow> KeyStore::list() {
+  sqlite::Statement row = connection_.prepare(
+      "SELECT name, role, maps, sha256, created_at_us, revoked_at_us FROM keys ORDER BY name, created_at_us");
+  std::vector<KeyRow> keys;
+  while (row.step()) {
+    keys.push_back({.name = std::string(row.text(0)),
+                    .role = std::string(row.text(1)),
+                    .maps = std::string(row.text(2)),
+                    .sha256 = rows::sha256(row, 3),
+                    .created_at = rows::timestamp(row, 4),
+                    .revoked_at = rows::optional_timestamp(row, 5)});
+  }
+  return keys;
+}
+
+std::int64_t KeyStore::version() { return connection_.query_integer("PRAGMA data_version"); }
+
+}  // namespace mapweld

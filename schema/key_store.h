@@ -1,0 +1,51 @@
+// The keys of a server: DIR/keys.db, a small database of its own beside the maps.
+//
+// It is apart because it has two writers: a command makes and revokes keys while a server runs, and of the maps'
+// database no other process may write (store.h). It is not in WAL mode, so that what one process commits the next look
+// of another sees; and a copy of the maps carries no keys.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "schema/database.h"
+#include "schema/store_types.h"
+
+namespace mapweld {
+
+// PRAGMA application_id: "MWLK".
+inline constexpr std::int32_t kKeysApplicationId = 0x4D574C4B;
+
+struct KeyRow {
+  std::string name;  // unique among the keys that are not revoked
+  std::string role;  // read, write, operate, admin
+  std::string maps;  // pattern of map names
+  Sha256 sha256{};   // of the key; the key itself is nowhere
+  Timestamp created_at{};
+  std::optional<Timestamp> revoked_at;
+};
+
+// Belongs to one thread at a time. Throws StoreError.
+class KeyStore {
+ public:
+  // Opens the keys of a data folder; the folder and the file are made, for their owner only, when they are missing.
+  // kForeignDatabase, kNewerVersion: as a DataFolder. `busy_timeout_ms`: how long to wait for another process (kBusy).
+  explicit KeyStore(const std::filesystem::path& data_folder, int busy_timeout_ms = 5'000);
+
+  // False, and nothing stored, when a key of this name is in force. The hash must be another one than any before.
+  bool add(const KeyRow& key);
+  // From now on the key opens nothing; its row stays. False when no key of this name is in force.
+  bool revoke(const std::string& name, Timestamp at);
+  // By name, then by time; revoked ones as well.
+  std::vector<KeyRow> list();
+  // Another number than before when somebody else has changed the keys since.
+  std::int64_t version();
+
+ private:
+  sqlite::Connection connection_;
+};
+
+}  // namespace mapweld
