@@ -1,5 +1,6 @@
 #include "client/connection.h"
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -163,6 +164,7 @@ struct Connection::Http {
     client.set_keep_alive(true);
     client.set_tcp_nodelay(true);
     client.set_url_encode(false);
+    if (!options.key.empty()) client.set_default_headers({{"Authorization", "Bearer " + options.key}});
   }
   httplib::Client client;
 };
@@ -171,6 +173,9 @@ Connection::Connection(const std::string& base_url, const ConnectionOptions& opt
   const Url url = parse_url(base_url);
   base_url_ = url.origin + url.prefix;
   prefix_ = url.prefix;
+  if (!std::ranges::all_of(options.key, [](char c) { return c > ' ' && c < 0x7F && c != ','; })) {
+    throw std::invalid_argument("The key has characters that no key has, a space or a line's end perhaps.");
+  }
   http_ = std::make_unique<Http>(url.origin, options);
 }
 Connection::~Connection() = default;

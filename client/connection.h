@@ -15,6 +15,7 @@ struct ConnectionOptions {
   double connect_timeout_s = 5;
   double read_timeout_s = 300;  // a batch of large images on a busy server takes its time
   double write_timeout_s = 60;
+  std::string key = {};  // sent as "Authorization: Bearer KEY"; empty: none
 };
 
 // A part of a multipart/form-data body.
@@ -33,7 +34,8 @@ std::string path_of(std::string_view root, const std::vector<std::string>& segme
 // The connection is kept alive between requests. One thread at a time; a second thread takes a second connection.
 class Connection {
  public:
-  // `base_url`: "http://host:8080", "https://host/prefix", "host:8080". Throws std::invalid_argument for anything else.
+  // `base_url`: "http://host:8080", "https://host/prefix", "host:8080". Throws std::invalid_argument for anything else,
+  // an address that bears a key (user:password@host) among it, and for a key with characters that no key has.
   // Connects with the first request.
   explicit Connection(const std::string& base_url, const ConnectionOptions& options = {});
   ~Connection();

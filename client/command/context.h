@@ -18,10 +18,11 @@ class UsageError : public std::runtime_error {
 
 struct Context {
   std::string server = "http://127.0.0.1:8080";  // --server, MAPWELD_SERVER
+  std::string key;                               // --key, MAPWELD_KEY
   bool json = false;                             // --json: what the server said, on standard output
   std::function<int()> action;                   // set by the subcommand that was chosen; returns an ExitCode
 
-  client::Client connect() const { return client::Client(server); }
+  client::Client connect() const { return client::Client(server, {.key = key}); }
 };
 
 // Each adds its subcommand; options live as long as `app`.

@@ -20,11 +20,15 @@ using command::Context;
 
 void complain(const std::string& text) { std::fprintf(stderr, "mapweld: %s\n", command::printable(text).c_str()); }
 
-void complain(const client::ServerProblem& error) {
+void complain(const client::ServerProblem& error, bool has_key) {
   std::string about = error.code().empty() ? "" : error.code() + ", ";
   about += "HTTP " + std::to_string(error.status());
   if (!error.request_id().empty()) about += ", request " + error.request_id();
   complain(error.detail() + " (" + about + ")");
+  if (error.status() == 401) {
+    complain(has_key ? "The server does not take the key that was given (--key, MAPWELD_KEY)."
+                     : "Give a key: MAPWELD_KEY=... in the environment, or --key.");
+  }
 }
 
 int run(const Context& context) {
@@ -32,7 +36,7 @@ int run(const Context& context) {
     return context.action();
   } catch (const client::ServerProblem& error) {
     if (context.json) command::print_json(error.problem());
-    complain(error);
+    complain(error, !context.key.empty());
     return command::kServerSaidNo;
   } catch (const client::UnexpectedAnswer& error) {
     complain(std::string(error.what()) + " Is " + context.server + " a mapweld-server?");
@@ -65,6 +69,10 @@ int main(int argc, char** argv) {
       ->envname("MAPWELD_SERVER")
       ->type_name("URL")
       ->capture_default_str();
+  app.add_option("--key", context.key,
+                 "The key that the server asks for; better in the variable than where ps shows it")
+      ->envname("MAPWELD_KEY")
+      ->type_name("KEY");
   app.add_flag("--json", context.json, "Print what the server answered, as JSON");
   app.require_subcommand(1);
   app.fallthrough();

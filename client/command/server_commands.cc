@@ -66,7 +66,14 @@ int health(const Context& context) {
     print_json(health);
     return kDone;
   }
-  const contract::Json version = server.version();
+  contract::Json version = contract::Json::object();
+  try {
+    version = server.version();
+  } catch (const client::ServerProblem& error) {
+    if (error.status() != 401 && error.status() != 403) throw;
+    print(server.base_url() + " is well, and asks for a key.\n");
+    return kDone;
+  }
   print(server.base_url() + " is well: mapweld-server " + version.value("version", std::string("?")) + ".\n");
   return kDone;
 }

@@ -115,7 +115,7 @@ std::optional<client::Answer<contract::Merge>> ask(client::Client& server, std::
     } catch (const client::ConnectionError&) {
       if (!answered_before || Clock::now() >= give_up) throw;
     } catch (const client::ServerProblem& error) {
-      if (error.status() != 503 || Clock::now() >= give_up) throw;
+      if ((error.status() != 503 && error.status() != 429) || Clock::now() >= give_up) throw;
     }
     std::this_thread::sleep_for(kPollInterval);
   }

@@ -85,6 +85,10 @@ std::vector<std::string> FakeServer::bodies() const {
   const std::lock_guard lock(mutex_);
   return bodies_;
 }
+std::vector<std::string> FakeServer::authorizations() const {
+  const std::lock_guard lock(mutex_);
+  return authorizations_;
+}
 std::size_t FakeServer::requests_of(const std::string& beginning) const {
   const auto all = requests();
   return static_cast<std::size_t>(
@@ -95,6 +99,7 @@ bool FakeServer::answer_scripted(const httplib::Request& request, httplib::Respo
   const std::lock_guard lock(mutex_);
   requests_.push_back(request.method + " " + request.target);
   bodies_.push_back(request.body);
+  authorizations_.push_back(request.get_header_value("Authorization"));
   const auto found = scripted_.find(request.method + " " + request.path);
   if (found == scripted_.end()) return false;
   Scripted& scripted = found->second;

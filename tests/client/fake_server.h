@@ -54,6 +54,7 @@ class FakeServer {
   std::vector<FakeImage> images(const std::string& map) const;  // in the order of their arrival
   std::vector<std::string> requests() const;                    // "POST /v1/maps?limit=2"
   std::vector<std::string> bodies() const;                      // of the same requests
+  std::vector<std::string> authorizations() const;              // their Authorization fields; empty: none
   std::size_t requests_of(const std::string& beginning) const;
 
  private:
@@ -78,6 +79,7 @@ class FakeServer {
   std::map<std::string, std::vector<FakeImage>> maps_;
   std::vector<std::string> requests_;
   std::vector<std::string> bodies_;
+  std::vector<std::string> authorizations_;
   int to_break_ = 0;
   int to_be_busy_ = 0;
   std::size_t most_images_ = contract::kMaxBatchImages;

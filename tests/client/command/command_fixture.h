@@ -27,8 +27,8 @@ struct CommandFixture : ::testing::Test {
   Ended run(const std::string& arguments, const std::string& environment = "") const {
     const std::string out = (folder.path() / "out.txt").string();
     const std::string err = (folder.path() / "err.txt").string();
-    const std::string command = "env -u MAPWELD_SERVER " + environment + " '" MAPWELD_BINARY "' " + arguments + " >'" +
-                                out + "' 2>'" + err + "' </dev/null";
+    const std::string command = "env -u MAPWELD_SERVER -u MAPWELD_KEY " + environment + " '" MAPWELD_BINARY "' " +
+                                arguments + " >'" + out + "' 2>'" + err + "' </dev/null";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, client::read_file(out), client::read_file(err)};
   }

@@ -107,6 +107,34 @@ TEST_F(Command, ServerProblemIsOneAndPrinted) {
   EXPECT_EQ(Json::parse(json.out)["code"], "no_such_map");
 }
 
+TEST_F(Command, AKeyGoesWithEveryRequestAndNowhereElse) {
+  const std::string there = "--server " + server.url() + " ";
+  server.script("GET /v1/maps", 200, Json{{"items", Json::array()}, {"next_cursor", nullptr}});
+  EXPECT_EQ(run(there + "map list").code, 0);
+  EXPECT_EQ(run(there + "map list", "MAPWELD_KEY=mw_one").code, 0);
+  EXPECT_EQ(run(there + "map list --key mw_two", "MAPWELD_KEY=mw_one").code, 0);
+  EXPECT_EQ(server.authorizations(), (std::vector<std::string>{"", "Bearer mw_one", "Bearer mw_two"}));
+  for (const std::string& request : server.requests()) EXPECT_EQ(request.find("mw_"), std::string::npos) << request;
+  const Ended broken = run(there + "--key 'mw one' map list");
+  EXPECT_EQ(broken.code, 2);
+  EXPECT_EQ(broken.err.find("mw one"), std::string::npos) << broken.err;
+  EXPECT_EQ(run("--server http://mw_one@127.0.0.1 map list").code, 2);
+}
+
+TEST_F(Command, ARefusedKeySaysWhatToDo) {
+  server.script_problem("GET /v1/maps", "unauthorized", "This server asks for a key.");
+  const Ended without = ask("map list");
+  EXPECT_EQ(without.code, 1);
+  EXPECT_NE(without.err.find("Give a key: MAPWELD_KEY"), std::string::npos) << without.err;
+  const Ended wrong = ask("--key mw_old map list");
+  EXPECT_NE(wrong.err.find("does not take the key"), std::string::npos) << wrong.err;
+  server.script("GET /healthz", 200, Json{{"status", "ok"}});
+  server.script_problem("GET /version", "unauthorized", "This server asks for a key.");
+  const Ended health = ask("health");
+  EXPECT_EQ(health.code, 0);
+  EXPECT_NE(health.out.find("asks for a key"), std::string::npos) << health.out;
+}
+
 TEST_F(Command, ControlCharactersFromTheServerDoNotReachTheTerminal) {
   server.script_problem("GET /v1/maps/lab", "no_such_map", "\x1b[2Jgone\n");
   EXPECT_EQ(ask("map show lab").err.find('\x1b'), std::string::npos);
