@@ -6,13 +6,17 @@
 #include <optional>
 #include <string>
 
+#include "server/access/access_gate.h"
 #include "server/http/http_server.h"
+#include "server/log.h"
 
 namespace mapweld::server {
 
 struct ServerConfig {
   std::filesystem::path data;
   HttpOptions http;
+  AccessOptions access;
+  bool insecure = false;                            // any address may be listened on without keys
   int extract_threads = 0;                          // 0: one a core
   int decoders = 0;                                 // processes that decode images (DecoderPool); 0: this one does
   int merge_workers = 1;                            // merges that run at the same time
@@ -21,6 +25,7 @@ struct ServerConfig {
   std::size_t cache_mb = 1024;                      // maps kept in memory
   std::optional<std::filesystem::path> vocabulary;  // default vocabulary; none: the shipped one
   std::string log_level = "info";                   // trace, debug, info, warning, error, off
+  LogFormat log_format = LogFormat::kText;
 };
 
 // The shipped vocabulary: beside the installed program (../share/mapweld/vocabularies), or in the source tree that it

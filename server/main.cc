@@ -1,9 +1,10 @@
-// mapweld-server: serve, train, check, backup, restore, evaluate.
+// mapweld-server: serve, key, train, check, backup, restore, evaluate.
 #include <CLI/CLI.hpp>
 
 #include "server/commands/backup.h"
 #include "server/commands/check.h"
 #include "server/commands/evaluate.h"
+#include "server/commands/key.h"
 #include "server/commands/serve.h"
 #include "server/training/train.h"
 #include "server/version.h"
@@ -14,6 +15,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   mapweld::server::add_serve_command(app);
   mapweld::server::add_decode_command(app);
+  mapweld::server::add_key_command(app);
   mapweld::add_train_command(app);
   mapweld::server::add_check_command(app);
   mapweld::server::add_backup_commands(app);

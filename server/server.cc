@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <optional>
+#include <stdexcept>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -14,6 +15,9 @@
 #include "core/geometry/epipolar_verifier.h"
 #include "schema/data_folder.h"
 #include "schema/map_store.h"
+#include "server/access/access_gate.h"
+#include "server/access/addresses.h"
+#include "server/access/key_ring.h"
 #include "server/api/api.h"
 #include "server/decoding/decoder_pool.h"
 #include "server/jobs/merge_jobs.h"
@@ -67,9 +71,12 @@ class Server::Impl {
         images_(store_, cache_, vocabularies_, workers_, decoder(), metrics_),
         localization_(store_, opener_, vocabularies_, workers_, decoder(), metrics_),
         quality_(store_),
-        http_(config.http, routes(), metrics_),
+        keys_(config.data),
+        gate_(keys_, config.access, config.log_format),
+        http_(config.http, routes(), metrics_, &gate_),
         segments_(store_),
         judges_(store_, cache_, config.cache_mb << 20) {
+    refuse_open_door(config);
     choose_vocabulary(config);
     add_gauges();
     port_ = http_.bind();
@@ -115,6 +122,14 @@ class Server::Impl {
   }
 
   ImageDecoder& decoder() { return decoders_ ? static_cast<ImageDecoder&>(*decoders_) : local_decoder_; }
+
+  void refuse_open_door(const ServerConfig& config) {
+    if (config.insecure || keys_.find("").has_keys || is_loopback(config.http.host)) return;
+    throw std::runtime_error("whoever reaches " + config.http.host +
+                             " could do everything: there are no keys. Make one first (mapweld-server key create NAME "
+                             "--role admin --data " +
+                             config.data.string() + "), listen on 127.0.0.1, or let everybody in with --insecure");
+  }
 
   bool has_vocabulary() const {
     try {
@@ -188,6 +203,8 @@ class Server::Impl {
   ImageService images_;
   LocalizeService localization_;
   QualityService quality_;
+  KeyRing keys_;
+  AccessGate gate_;
   HttpServer http_;
   SegmentWriter segments_;
   JudgeWorker judges_;

@@ -24,6 +24,9 @@ inline constexpr std::array kCodes = {
     CodeEntry{"empty_body", 400, "The body is empty"},
     CodeEntry{"invalid_name", 400, "The name is not allowed"},
 
+    CodeEntry{"unauthorized", 401, "The server asks for a key"},
+    CodeEntry{"forbidden", 403, "The key, or the page, may not do this"},
+
     CodeEntry{"no_such_path", 404, "There is nothing under this path"},
     CodeEntry{"no_such_map", 404, "There is no map of this name"},
     CodeEntry{"no_such_vertex", 404, "The map has no such vertex"},
@@ -65,7 +68,8 @@ inline constexpr std::array kCodes = {
     CodeEntry{"invalid_parameter", 422, "A field or parameter has an invalid value"},
     CodeEntry{"invalid_vocabulary", 422, "The bytes are not a vocabulary"},
 
-    CodeEntry{"too_many_requests", 429, "Too many requests"},
+    CodeEntry{"rate_limited", 429, "Too many requests in too short a time"},
+    CodeEntry{"quota_exceeded", 429, "The key has used up what it may use"},
     CodeEntry{"headers_too_large", 431, "The header block is too large"},
     CodeEntry{"internal_error", 500, "The server failed"},
     CodeEntry{"not_implemented", 501, "The server does not offer this yet"},

@@ -87,26 +87,31 @@ Reply localize(LocalizeService& localization, const Request& request) {
 void add_image_routes(Router& router, const Services& services) {
   router.add({.method = "POST",
               .pattern = "/v1/maps/{map}/images",
+              .role = Role::kWrite,
               .body = BodyRule::kRequired,
               .query = {"name", "captured_at", "sequence", "index", "map_uuid"},
               .handler = [&images = services.images](const Request& request) { return upload(images, request); }});
   router.add(
       {.method = "POST",
        .pattern = "/v1/maps/{map}/images/batch",
+       .role = Role::kWrite,
        .body = BodyRule::kRequired,
        .query = {"sequence", "map_uuid"},
        .handler = [&images = services.images](const Request& request) { return upload_batch(images, request); }});
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/vertices/{vertex}/image",
+              .role = Role::kRead,
               .handler = [&maps = services.maps](const Request& request) { return read_back(maps, request); }});
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/ignored",
+              .role = Role::kRead,
               .query = list_query(),
               .handler = [&maps = services.maps](const Request& request) {
                 return json_reply(200, maps.ignored(request.parameter("map"), page_of(request)));
               }});
   router.add({.method = "POST",
               .pattern = "/v1/maps/{map}/localize",
+              .role = Role::kRead,
               .body = BodyRule::kRequired,
               .query = {"limit", "verified"},
               .handler = [&localization = services.localization](const Request& request) {

@@ -41,24 +41,32 @@ void add_map_routes(Router& router, const Services& services) {
   MapService& maps = services.maps;
   router.add({.method = "POST",
               .pattern = "/v1/maps",
+              .role = Role::kWrite,
               .body = BodyRule::kRequired,
               .json_body = true,
               .handler = [&maps](const Request& request) {
                 const auto map =
-                    maps.create(contract::read_request<contract::CreateMap>(contract::parse_json(request.body)));
+                    maps.create(contract::read_request<contract::CreateMap>(contract::parse_json(request.body)),
+                                request.caller.get());
                 Reply reply = json_reply(201, map);
+                reply.subject = map.name;
                 reply.headers.emplace_back("Location", "/v1/maps/" + map.name);
                 return reply;
               }});
-  router.add(
-      {.method = "GET", .pattern = "/v1/maps", .query = list_query(), .handler = [&maps](const Request& request) {
-         return json_reply(200, maps.list(page_of(request)));
-       }});
-  router.add({.method = "GET", .pattern = "/v1/maps/{map}", .handler = [&maps](const Request& request) {
-                return json_reply(200, maps.get(request.parameter("map")));
+  router.add({.method = "GET",
+              .pattern = "/v1/maps",
+              .role = Role::kRead,
+              .query = list_query(),
+              .handler = [&maps](const Request& request) {
+                return json_reply(200, maps.list(page_of(request), request.caller.get()));
               }});
+  router.add(
+      {.method = "GET", .pattern = "/v1/maps/{map}", .role = Role::kRead, .handler = [&maps](const Request& request) {
+         return json_reply(200, maps.get(request.parameter("map")));
+       }});
   router.add({.method = "DELETE",
               .pattern = "/v1/maps/{map}",
+              .role = Role::kWrite,
               .body = BodyRule::kOptional,
               .handler = [&maps](const Request& request) {
                 maps.remove(request.parameter("map"));
@@ -66,18 +74,22 @@ void add_map_routes(Router& router, const Services& services) {
               }});
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/vertices",
+              .role = Role::kRead,
               .query = list_query({"name"}),
               .handler = [&maps](const Request& request) {
                 return json_reply(
                     200, maps.vertices(request.parameter("map"), request.query.text("name"), page_of(request)));
               }});
-  router.add(
-      {.method = "GET", .pattern = "/v1/maps/{map}/vertices/{vertex}", .handler = [&maps](const Request& request) {
-         const auto vertex = number_in_path<std::uint32_t>(request, "vertex", "no_such_vertex");
-         return json_reply(200, maps.vertex(request.parameter("map"), vertex));
-       }});
+  router.add({.method = "GET",
+              .pattern = "/v1/maps/{map}/vertices/{vertex}",
+              .role = Role::kRead,
+              .handler = [&maps](const Request& request) {
+                const auto vertex = number_in_path<std::uint32_t>(request, "vertex", "no_such_vertex");
+                return json_reply(200, maps.vertex(request.parameter("map"), vertex));
+              }});
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/edges",
+              .role = Role::kRead,
               .query = list_query({"min_inliers", "kind", "confirmed"}),
               .handler = [&maps](const Request& request) {
                 MapService::EdgeQuery query;
@@ -89,10 +101,12 @@ void add_map_routes(Router& router, const Services& services) {
               }});
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/graph",
+              .role = Role::kRead,
               .query = {"format"},
               .handler = [&store = services.store](const Request& request) { return stream_graph(store, request); }});
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/pairs/{u}/{v}",
+              .role = Role::kRead,
               .query = {"matches"},
               .handler = [&store = services.store](const Request& request) {
                 const VertexPair pair = pair_in_path(request);
@@ -101,11 +115,13 @@ void add_map_routes(Router& router, const Services& services) {
               }});
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/quality",
+              .role = Role::kRead,
               .handler = [&quality = services.quality](const Request& request) {
                 return json_reply(200, quality.quality(request.parameter("map")));
               }});
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/route",
+              .role = Role::kRead,
               .query = {"from", "to"},
               .handler = [&store = services.store](const Request& request) {
                 const std::uint32_t from = vertex_in_query(request, "from");

@@ -6,16 +6,20 @@ namespace mapweld::server {
 void add_mask_routes(Router& router, const Services& services) {
   constexpr const char* kPattern = "/v1/maps/{map}/mask";
   MaskService& masks = services.masks;
-  router.add(
-      {.method = "PUT", .pattern = kPattern, .body = BodyRule::kRequired, .handler = [&masks](const Request& request) {
-         masks.set(request.parameter("map"), request.body_bytes());
-         return no_content();
-       }});
-  router.add({.method = "GET", .pattern = kPattern, .handler = [&masks](const Request& request) {
+  router.add({.method = "PUT",
+              .pattern = kPattern,
+              .role = Role::kWrite,
+              .body = BodyRule::kRequired,
+              .handler = [&masks](const Request& request) {
+                masks.set(request.parameter("map"), request.body_bytes());
+                return no_content();
+              }});
+  router.add({.method = "GET", .pattern = kPattern, .role = Role::kRead, .handler = [&masks](const Request& request) {
                 return image_reply(masks.get(request.parameter("map")));
               }});
   router.add({.method = "DELETE",
               .pattern = kPattern,
+              .role = Role::kWrite,
               .body = BodyRule::kOptional,
               .handler = [&masks](const Request& request) {
                 masks.clear(request.parameter("map"));

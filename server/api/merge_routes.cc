@@ -8,8 +8,11 @@ namespace {
 
 using contract::ContractError;
 
-std::int64_t merge_in_path(const Request& request) {
-  return number_in_path<std::int64_t>(request, "merge", "no_such_merge");
+// Of a merge that the caller may use.
+std::int64_t merge_in_path(const MergeService& merges, const Request& request) {
+  const auto id = number_in_path<std::int64_t>(request, "merge", "no_such_merge");
+  merges.require_use(id, request.caller.get());
+  return id;
 }
 
 contract::RunMerge run_in(const Request& request) {
@@ -20,6 +23,8 @@ contract::RunMerge run_in(const Request& request) {
 // A merge that moves is worth asking about again.
 Reply merge_reply(int status, const contract::Merge& merge) {
   Reply reply = json_reply(status, merge);
+  reply.subject = merge.map + " of";
+  for (const std::string& member : merge.maps) reply.subject += " " + member;
   if (!contract::is_at_rest(merge.state)) reply.headers.emplace_back("Retry-After", "1");
   return reply;
 }
@@ -30,83 +35,102 @@ void add_merge_routes(Router& router, const Services& services) {
   MergeService& merges = services.merges;
   router.add({.method = "POST",
               .pattern = "/v1/merges",
+              .role = Role::kOperate,
               .body = BodyRule::kRequired,
               .json_body = true,
               .handler = [&merges](const Request& request) {
                 const auto merge =
-                    merges.submit(contract::read_request<contract::SubmitMerge>(contract::parse_json(request.body)));
+                    merges.submit(contract::read_request<contract::SubmitMerge>(contract::parse_json(request.body)),
+                                  request.caller.get());
                 Reply reply = merge_reply(202, merge);
                 reply.headers.emplace_back("Location", merge.links.self);
                 return reply;
               }});
   router.add({.method = "GET",
               .pattern = "/v1/merges",
+              .role = Role::kRead,
               .query = list_query({"state"}),
               .handler = [&merges](const Request& request) {
-                return json_reply(200, merges.list(request.query.text("state"), page_of(request)));
+                return json_reply(200,
+                                  merges.list(request.query.text("state"), page_of(request), request.caller.get()));
               }});
-  router.add({.method = "GET", .pattern = "/v1/merges/{merge}", .handler = [&merges](const Request& request) {
-                return merge_reply(200, merges.get(merge_in_path(request)));
+  router.add({.method = "GET",
+              .pattern = "/v1/merges/{merge}",
+              .role = Role::kRead,
+              .handler = [&merges](const Request& request) {
+                return merge_reply(200, merges.get(merge_in_path(merges, request)));
               }});
   router.add({.method = "DELETE",
               .pattern = "/v1/merges/{merge}",
+              .role = Role::kOperate,
               .body = BodyRule::kOptional,
               .handler = [&merges](const Request& request) {
-                merges.remove(merge_in_path(request));
+                merges.remove(merge_in_path(merges, request));
                 return no_content();
               }});
   router.add({.method = "GET",
               .pattern = "/v1/merges/{merge}/curve",
+              .role = Role::kRead,
               .query = list_query(),
               .handler = [&merges](const Request& request) {
-                return json_reply(200, merges.curve(merge_in_path(request), page_of(request)));
+                return json_reply(200, merges.curve(merge_in_path(merges, request), page_of(request)));
               }});
   router.add({.method = "GET",
               .pattern = "/v1/merges/{merge}/edges",
+              .role = Role::kRead,
               .query = list_query(),
               .handler = [&merges](const Request& request) {
-                return json_reply(200, merges.edges(merge_in_path(request), page_of(request)));
+                return json_reply(200, merges.edges(merge_in_path(merges, request), page_of(request)));
               }});
   router.add({.method = "POST",
               .pattern = "/v1/merges/{merge}/pause",
+              .role = Role::kOperate,
               .body = BodyRule::kOptional,
               .json_body = true,
               .handler = [&merges](const Request& request) {
-                return merge_reply(202, merges.pause(merge_in_path(request)));
+                return merge_reply(202, merges.pause(merge_in_path(merges, request)));
               }});
   router.add({.method = "POST",
               .pattern = "/v1/merges/{merge}/resume",
+              .role = Role::kOperate,
               .body = BodyRule::kOptional,
               .json_body = true,
               .handler = [&merges](const Request& request) {
-                return merge_reply(202, merges.resume(merge_in_path(request), run_in(request)));
+                return merge_reply(202, merges.resume(merge_in_path(merges, request), run_in(request)));
               }});
   router.add({.method = "POST",
               .pattern = "/v1/merges/{merge}/restart",
+              .role = Role::kOperate,
               .body = BodyRule::kOptional,
               .json_body = true,
               .handler = [&merges](const Request& request) {
-                return merge_reply(202, merges.restart(merge_in_path(request), run_in(request)));
+                return merge_reply(202, merges.restart(merge_in_path(merges, request), run_in(request)));
               }});
   router.add({.method = "POST",
               .pattern = "/v1/merges/{merge}/cancel",
+              .role = Role::kOperate,
               .body = BodyRule::kOptional,
               .json_body = true,
               .handler = [&merges](const Request& request) {
-                return merge_reply(202, merges.cancel(merge_in_path(request)));
+                return merge_reply(202, merges.cancel(merge_in_path(merges, request)));
               }});
   router.add({.method = "GET",
               .pattern = "/v1/merges/{merge}/pairs/{u}/{v}",
+              .role = Role::kRead,
               .query = {"matches"},
-              .handler = [&store = services.store](const Request& request) {
+              .handler = [&merges, &store = services.store](const Request& request) {
                 const VertexPair pair = pair_in_path(request);
-                return json_reply(200, explain_pair(store, merge_in_path(request), pair.u, pair.v, pair.with_matches));
+                return json_reply(
+                    200, explain_pair(store, merge_in_path(merges, request), pair.u, pair.v, pair.with_matches));
               }});
-  router.add(
-      {.method = "GET", .pattern = "/v1/merges/{merge}/events", .handler = [&merges](const Request& request) -> Reply {
-         merges.get(merge_in_path(request));
-         throw ContractError("not_implemented", "This is not offered yet; poll the merge and its edges instead.");
-       }});
+  router.add({.method = "GET",
+              .pattern = "/v1/merges/{merge}/events",
+              .role = Role::kRead,
+              .handler = [&merges](const Request& request) -> Reply {
+                merges.get(merge_in_path(merges, request));
+                throw ContractError("not_implemented",
+                                    "This is not offered yet; poll the merge and its edges instead.");
+              }});
 }
 
 }  // namespace mapweld::server

@@ -9,25 +9,32 @@ namespace mapweld::server {
 using contract::ContractError;
 
 void add_system_routes(Router& router, const Services& services) {
-  router.add({.method = "GET", .pattern = "/healthz", .handler = [](const Request&) {
+  router.add({.method = "GET", .pattern = "/healthz", .role = Role::kAnybody, .handler = [](const Request&) {
                 return json_reply(200, contract::Health{.status = "ok"});
               }});
-  router.add({.method = "GET", .pattern = "/readyz", .handler = [ready = services.ready](const Request&) {
-                if (!ready())
+  router.add({.method = "GET",
+              .pattern = "/readyz",
+              .role = Role::kAnybody,
+              .handler = [ready = services.ready](const Request&) {
+                if (!ready()) {
                   throw ContractError("not_ready",
                                       "The server has no vocabulary, its data folder is gone, or it is shutting down.");
+                }
                 return json_reply(200, contract::Health{.status = "ok"});
               }});
-  router.add({.method = "GET", .pattern = "/version", .handler = [](const Request&) {
+  router.add({.method = "GET", .pattern = "/version", .role = Role::kRead, .handler = [](const Request&) {
                 return json_reply(200, contract::Version{.version = std::string(version())});
               }});
-  router.add({.method = "GET", .pattern = "/metrics", .handler = [&metrics = services.metrics](const Request&) {
+  router.add({.method = "GET",
+              .pattern = "/metrics",
+              .role = Role::kRead,
+              .handler = [&metrics = services.metrics](const Request&) {
                 Reply reply;
                 reply.content_type = "text/plain; version=0.0.4; charset=utf-8";
                 reply.body = metrics.prometheus_text();
                 return reply;
               }});
-  router.add({.method = "GET", .pattern = "/v1/openapi.json", .handler = [](const Request&) {
+  router.add({.method = "GET", .pattern = "/v1/openapi.json", .role = Role::kRead, .handler = [](const Request&) {
                 Reply reply;
                 reply.content_type = "application/json";
                 reply.body = openapi_document();
@@ -35,10 +42,13 @@ void add_system_routes(Router& router, const Services& services) {
               }});
   for (const auto& [method, pattern] :
        {std::pair{"POST", "/v1/backups"}, std::pair{"GET", "/v1/backups/{backup}/content"}}) {
-    router.add(
-        {.method = method, .pattern = pattern, .body = BodyRule::kOptional, .handler = [](const Request&) -> Reply {
-           throw ContractError("not_implemented", "Backups are not offered yet.");
-         }});
+    router.add({.method = method,
+                .pattern = pattern,
+                .role = Role::kAdmin,
+                .body = BodyRule::kOptional,
+                .handler = [](const Request&) -> Reply {
+                  throw ContractError("not_implemented", "Backups are not offered yet.");
+                }});
   }
 }
 

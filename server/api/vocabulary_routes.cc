@@ -9,17 +9,21 @@ void add_vocabulary_routes(Router& router, const Services& services) {
   VocabularyService& vocabularies = services.vocabularies;
   router.add({.method = "GET",
               .pattern = "/v1/vocabularies",
+              .role = Role::kRead,
               .query = list_query(),
               .handler = [&vocabularies](const Request& request) {
                 const PageRequest page = page_of(request);
                 return json_reply(200, vocabularies.list(page.limit, page.cursor));
               }});
-  router.add(
-      {.method = "GET", .pattern = "/v1/vocabularies/{vocabulary}", .handler = [&vocabularies](const Request& request) {
-         return json_reply(200, vocabularies.get(request.parameter("vocabulary")));
-       }});
+  router.add({.method = "GET",
+              .pattern = "/v1/vocabularies/{vocabulary}",
+              .role = Role::kRead,
+              .handler = [&vocabularies](const Request& request) {
+                return json_reply(200, vocabularies.get(request.parameter("vocabulary")));
+              }});
   router.add({.method = "POST",
               .pattern = "/v1/vocabularies",
+              .role = Role::kAdmin,
               .body = BodyRule::kRequired,
               .query = {"name"},
               .handler = [&vocabularies](const Request& request) {

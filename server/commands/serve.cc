@@ -6,13 +6,13 @@
 #include <csignal>
 #include <cstdio>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <thread>
 
 #include <CLI/CLI.hpp>
 #include <opencv2/core/utility.hpp>
-#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -20,6 +20,7 @@
 #include "core/feature/allocation.h"
 #include "server/config.h"
 #include "server/decoding/decoder_process.h"
+#include "server/log.h"
 #include "server/server.h"
 #include "server/version.h"
 
@@ -27,14 +28,6 @@ namespace mapweld::server {
 namespace {
 
 constexpr std::chrono::milliseconds kStopWithin{4'500};  // after that, what still runs is left to the next start
-
-void set_up_log(const std::string& level) {
-  auto log = std::make_shared<spdlog::logger>("mapweld", std::make_shared<spdlog::sinks::stderr_sink_mt>());
-  log->set_pattern("%Y-%m-%dT%H:%M:%S.%eZ %l %v", spdlog::pattern_time_type::utc);
-  log->set_level(spdlog::level::from_str(level));
-  log->flush_on(spdlog::level::info);
-  spdlog::set_default_logger(log);
-}
 
 // Connections are descriptors: as many as the system lets this process have.
 void raise_descriptor_limit() {
@@ -113,7 +106,7 @@ class Signals {
 };
 
 void serve(const ServerConfig& config) {
-  set_up_log(config.log_level);
+  set_up_log(config.log_level, config.log_format);
   keep_freed_memory();
   raise_descriptor_limit();
   cv::setNumThreads(0);  // one image a thread
@@ -142,6 +135,22 @@ void add_serve_command(CLI::App& app) {
   command->add_option("--data", config->data, "Data folder; created when missing")->envname("MAPWELD_DATA")->required();
   command->add_option("--host", config->http.host, "Address to listen on")
       ->envname("MAPWELD_HOST")
+      ->capture_default_str();
+  command
+      ->add_flag("--insecure", config->insecure,
+                 "Listen on any address although there are no keys: whoever reaches it may do everything")
+      ->envname("MAPWELD_INSECURE");
+  command
+      ->add_option("--cors-origin", config->access.cors_origins,
+                   "Let pages of this origin use the server from a browser; may be repeated; * for any")
+      ->envname("MAPWELD_CORS_ORIGIN")
+      ->expected(1)
+      ->take_all();
+  command
+      ->add_option("--rate", config->access.per_caller.per_s,
+                   "Requests a second of one key, or of one address where there are no keys; 0: any number")
+      ->envname("MAPWELD_RATE")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->add_option("--port", config->http.port, "Port to listen on; 0 picks a free one and prints it")
       ->envname("MAPWELD_PORT")
@@ -207,7 +216,13 @@ void add_serve_command(CLI::App& app) {
       ->envname("MAPWELD_LOG_LEVEL")
       ->check(CLI::IsMember({"trace", "debug", "info", "warning", "error", "off"}))
       ->capture_default_str();
+  command->add_option("--log-format", config->log_format, "How the log is written: text, or a JSON document a line")
+      ->envname("MAPWELD_LOG_FORMAT")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, LogFormat>{{"text", LogFormat::kText}, {"json", LogFormat::kJson}}))
+      ->default_str("text");
   command->callback([config, max_body_mb, vocabulary, decoders] {
+    config->access.per_caller.burst = std::max(1.0, 2 * config->access.per_caller.per_s);
     config->http.max_body_bytes = *max_body_mb << 20;
     config->http.max_bodies_bytes = std::max(config->http.max_bodies_bytes, 2 * config->http.max_body_bytes);
     const int extract_threads = config->extract_threads > 0

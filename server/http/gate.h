@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/http/caller.h"
+#include "server/access/caller.h"
 #include "server/http/message.h"
 #include "server/http/router.h"
 
@@ -44,8 +44,9 @@ struct Admission {
 struct FinishedRequest {
   std::string request_id;
   std::string method;
-  std::string path;   // as in RequestHead; empty: its head never was one
-  std::string route;  // pattern; empty: none matched
+  std::string path;            // as in RequestHead; empty: its head never was one
+  std::string route;           // pattern; empty: none matched
+  Role role = Role::kAnybody;  // that the route asks for
   std::string peer;
   std::string subject;                   // Reply::subject
   std::shared_ptr<const Caller> caller;  // of the admission; null: none

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/http/caller.h"
+#include "server/access/caller.h"
 #include "server/http/event_stream.h"
 
 namespace mapweld::server {

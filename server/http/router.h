@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "server/access/role.h"
 #include "server/http/message.h"
 
 namespace mapweld::server {
@@ -18,8 +19,9 @@ enum class BodyRule : std::uint8_t {
 };
 
 struct Route {
-  std::string method;   // GET serves HEAD as well
-  std::string pattern;  // "/v1/maps/{map}/vertices/{vertex}": {name} stands for one segment that is not empty
+  std::string method;        // GET serves HEAD as well
+  std::string pattern;       // "/v1/maps/{map}/vertices/{vertex}": {name} stands for one segment that is not empty
+  Role role = Role::kAdmin;  // what a key must be good for
   BodyRule body = BodyRule::kNone;
   bool json_body = false;               // the body is a JSON document: the smaller limit holds
   std::vector<std::string> query = {};  // the query parameters that it knows

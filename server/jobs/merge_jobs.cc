@@ -11,6 +11,7 @@
 #include "server/jobs/merge_workers.h"
 #include "server/jobs/run_control.h"
 #include "server/services/times.h"
+#include "server/services/visible_rows.h"
 
 namespace mapweld::server {
 namespace {
@@ -90,7 +91,8 @@ MergeStatus MergeJobs::get(std::int64_t id) const {
 }
 
 Page<MergeStatus> MergeJobs::list(std::optional<JobState> state, std::size_t limit,
-                                  const std::optional<std::string>& after) const {
+                                  const std::optional<std::string>& after,
+                                  const std::function<bool(const std::string& map)>& visible) const {
   std::optional<JobId> from;
   if (const auto number = parse_cursor(after)) from = JobId{*number};
   const std::map<JobId, std::shared_ptr<RunControl>> runs = workers_->runs();
@@ -99,8 +101,16 @@ Page<MergeStatus> MergeJobs::list(std::optional<JobState> state, std::size_t lim
     const auto run = runs.find(row.id);
     return describe(db, row, run == runs.end() ? nullptr : run->second);
   };
-  return make_page<MergeStatus>(list_merges(db, limit + 1, from, state), limit, describe_row,
-                                [](const MergeRow& row) { return to_index(row.id); });
+  const auto rows = read_visible(
+      limit + 1, from,
+      [&](std::size_t count, const std::optional<JobId>& last) { return list_merges(db, count, last, state); },
+      [&](const MergeRow& row) { return !visible || visible(find_map(db, row.map).value().name); });
+  return make_page<MergeStatus>(rows, limit, describe_row, [](const MergeRow& row) { return to_index(row.id); });
+}
+
+std::string MergeJobs::map_of(std::int64_t id) const {
+  const ReadTransaction db = store_.read();
+  return find_map(db, require_merge(db, JobId{id}).map).value().name;
 }
 
 Page<MergeCurvePoint> MergeJobs::curve(std::int64_t id, std::size_t limit,

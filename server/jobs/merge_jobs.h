@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
 #include <memory>
 #include <optional>
@@ -41,8 +42,10 @@ class MergeJobs {
   // While a job runs here its numbers are those of the moment, at most `metrics_interval_s` old where eigenvalues
   // allow; otherwise those of its last checkpoint. no_such_merge, as all below.
   MergeStatus get(std::int64_t id) const;
-  Page<MergeStatus> list(std::optional<JobState> state, std::size_t limit,
-                         const std::optional<std::string>& after) const;  // by id
+  // By id; of merges whose merged map has a name that is `visible`, when that is given.
+  Page<MergeStatus> list(std::optional<JobState> state, std::size_t limit, const std::optional<std::string>& after,
+                         const std::function<bool(const std::string& map)>& visible = {}) const;
+  std::string map_of(std::int64_t id) const;  // the merged map's name
   Page<MergeCurvePoint> curve(std::int64_t id, std::size_t limit, const std::optional<std::string>& after) const;
   Page<MergeEdgePoint> edges(std::int64_t id, std::size_t limit, const std::optional<std::string>& after) const;
 

@@ -16,6 +16,7 @@
 #include "server/services/paging.h"
 #include "server/services/times.h"
 #include "server/services/uuid.h"
+#include "server/services/visible_rows.h"
 
 namespace mapweld::server {
 namespace {
@@ -61,8 +62,9 @@ EdgeCursor parse_edge_cursor(const std::optional<std::string>& cursor) {
 
 }  // namespace
 
-contract::Map MapService::create(const contract::CreateMap& request) {
+contract::Map MapService::create(const contract::CreateMap& request, const Caller* caller) {
   contract::check(request);
+  require_use(caller, request.name);
   NewMap map;
   map.name = request.name;
   map.uuid = request.uuid.value_or(make_uuid());
@@ -92,11 +94,15 @@ contract::Map MapService::get(const std::string& name) const {
   return describe(db, require_map(db, name));
 }
 
-contract::Page<contract::Map> MapService::list(const PageRequest& page) const {
+contract::Page<contract::Map> MapService::list(const PageRequest& page, const Caller* caller) const {
   const ReadTransaction db = store_.read();
+  const auto rows = read_visible(
+      page.limit + 1, after<MapId>(page.cursor),
+      [&](std::size_t count, const std::optional<MapId>& from) { return list_maps(db, count, from); },
+      [&](const MapRow& map) { return sees_all(caller) || caller->may_use(map.name); });
   return make_page<contract::Page<contract::Map>>(
-      list_maps(db, page.limit + 1, after<MapId>(page.cursor)), page.limit,
-      [&](const MapRow& map) { return describe(db, map); }, [](const MapRow& map) { return to_index(map.id); });
+      rows, page.limit, [&](const MapRow& map) { return describe(db, map); },
+      [](const MapRow& map) { return to_index(map.id); });
 }
 
 void MapService::remove(const std::string& name) {

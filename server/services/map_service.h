@@ -14,6 +14,7 @@
 #include "schema/map_layout.h"
 #include "schema/map_store.h"
 #include "schema/store.h"
+#include "server/access/caller.h"
 #include "server/maps/map_opener.h"
 #include "server/services/vocabulary_service.h"
 
@@ -30,7 +31,8 @@ struct StoredImage {
   std::string sha256;  // hexadecimal
 };
 
-// Thread-safe. Throws ContractError for what is not there or not allowed, StoreError.
+// Thread-safe. Throws ContractError for what is not there or not allowed, StoreError. Who asks is given where a request
+// names maps elsewhere than in its path, which is the gate's; null: everything is allowed.
 class MapService {
  public:
   // Deletes the merge with this id, its merged map with it.
@@ -40,10 +42,12 @@ class MapService {
   MapService(Store& store, MapOpener& opener, const VocabularyService& vocabularies, RemoveMerge remove_merge)
       : store_(store), opener_(opener), vocabularies_(vocabularies), remove_merge_(std::move(remove_merge)) {}
 
-  // invalid_name, invalid_parameter, no_such_vocabulary; name_taken, also for a uuid that another map has.
-  contract::Map create(const contract::CreateMap& request);
+  // invalid_name, invalid_parameter, no_such_vocabulary; name_taken, also for a uuid that another map has;
+  // forbidden.
+  contract::Map create(const contract::CreateMap& request, const Caller* caller = nullptr);
   contract::Map get(const std::string& name) const;
-  contract::Page<contract::Map> list(const PageRequest& page) const;
+  // Those that the caller may use.
+  contract::Page<contract::Map> list(const PageRequest& page, const Caller* caller = nullptr) const;
   // Deleting a merged map deletes its merge. map_in_use while a merged map names it.
   void remove(const std::string& name);
 

@@ -139,11 +139,13 @@ VoteRule MergeService::rule_of(const contract::SubmitMerge& request) const {
   return VoteRule::kSignatures;
 }
 
-contract::Merge MergeService::submit(const contract::SubmitMerge& request) {
+contract::Merge MergeService::submit(const contract::SubmitMerge& request, const Caller* caller) {
   contract::check(request);
   MergeRequest merge;
   merge.maps = request.maps;
   merge.name = request.name.value_or(contract::default_merge_name(request.maps));
+  for (const std::string& member : merge.maps) server::require_use(caller, member);
+  server::require_use(caller, merge.name);
   merge.method = request.method.value_or("spectral");  // the best order that there is: docs/evaluation.md
   merge.seed = static_cast<std::uint64_t>(request.seed.value_or(0));
   // Pairs of different maps are judged as pairs of one map are, unless the request says otherwise.
@@ -167,16 +169,22 @@ contract::Merge MergeService::submit(const contract::SubmitMerge& request) {
   return describe(jobs_.submit(merge));
 }
 
+void MergeService::require_use(std::int64_t id, const Caller* caller) const {
+  if (!sees_all(caller)) server::require_use(caller, jobs_.map_of(id));
+}
+
 contract::Merge MergeService::get(std::int64_t id) const { return describe(jobs_.get(id)); }
 
-contract::Page<contract::Merge> MergeService::list(const std::optional<std::string>& state,
-                                                   const PageRequest& page) const {
+contract::Page<contract::Merge> MergeService::list(const std::optional<std::string>& state, const PageRequest& page,
+                                                   const Caller* caller) const {
   std::optional<JobState> wanted;
   if (state) {
     wanted = parse_job_state(*state);
     if (!wanted) throw ContractError("invalid_parameter", "There is no state \"" + *state + "\".");
   }
-  return describe<contract::Merge>(jobs_.list(wanted, page.limit, page.cursor));
+  std::function<bool(const std::string&)> visible;
+  if (!sees_all(caller)) visible = [caller](const std::string& map) { return caller->may_use(map); };
+  return describe<contract::Merge>(jobs_.list(wanted, page.limit, page.cursor, visible));
 }
 
 contract::Page<contract::CurvePoint> MergeService::curve(std::int64_t id, const PageRequest& page) const {

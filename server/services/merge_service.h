@@ -19,9 +19,13 @@ class MergeService {
   // `store`, `jobs` and `opener` must outlive this.
   MergeService(Store& store, MergeJobs& jobs, MapOpener& opener) : store_(store), jobs_(jobs), opener_(opener) {}
 
-  contract::Merge submit(const contract::SubmitMerge& request);
+  // Also forbidden, when the caller may not use a member or a map of the merge's name; null: may use all.
+  contract::Merge submit(const contract::SubmitMerge& request, const Caller* caller = nullptr);
+  // Throws forbidden when the caller may not use the merged map, by whose name a merge goes; no_such_merge.
+  void require_use(std::int64_t id, const Caller* caller) const;
   contract::Merge get(std::int64_t id) const;
-  contract::Page<contract::Merge> list(const std::optional<std::string>& state, const PageRequest& page) const;
+  contract::Page<contract::Merge> list(const std::optional<std::string>& state, const PageRequest& page,
+                                       const Caller* caller = nullptr) const;
   contract::Page<contract::CurvePoint> curve(std::int64_t id, const PageRequest& page) const;
   contract::Page<contract::MergeEdge> edges(std::int64_t id, const PageRequest& page) const;
 

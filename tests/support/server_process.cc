@@ -44,14 +44,13 @@ int exit_code(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128
 }  // namespace
 
 ServerProcess::ServerProcess(const std::filesystem::path& data_folder, std::vector<std::string> extra_arguments) {
-  std::vector<std::string> command = {MAPWELD_SERVER_BINARY, "serve",  "--data", data_folder.string(), "--host",
-                                      "127.0.0.1",           "--port", "0"};
+  std::vector<std::string> command = {MAPWELD_SERVER_BINARY, "serve", "--data", data_folder.string(), "--port", "0"};
   command.insert(command.end(), extra_arguments.begin(), extra_arguments.end());
   const Child child = spawn(command);
   pid_ = child.pid;
   output_ = child.output;
 
-  static const std::regex listening(R"((http://127\.0\.0\.1:[0-9]+))");
+  static const std::regex listening(R"(http://(?:127\.0\.0\.1|0\.0\.0\.0):([0-9]+))");
   std::string said;
   const auto deadline = Clock::now() + std::chrono::seconds(60);
   while (true) {
@@ -70,7 +69,7 @@ ServerProcess::ServerProcess(const std::filesystem::path& data_folder, std::vect
     said.append(buffer, static_cast<std::size_t>(count));
     std::smatch match;
     if (said.find('\n') != std::string::npos && std::regex_search(said, match, listening)) {
-      url_ = match[1].str();
+      url_ = "http://127.0.0.1:" + match[1].str();
       return;
     }
   }

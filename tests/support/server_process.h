@@ -9,8 +9,8 @@
 
 namespace mapweld::testing {
 
-// Starts the server on loopback over `data_folder` with a port that the system picks, and waits until it listens.
-// Killed and reaped by the destructor if it still runs. One owner, one thread.
+// Starts the server on loopback, unless the arguments say otherwise, over `data_folder` with a port that the system
+// picks, and waits until it listens. Killed and reaped by the destructor if it still runs. One owner, one thread.
 class ServerProcess {
  public:
   // Throws std::runtime_error when the server ends, or says nothing for 60 s, before it listens.

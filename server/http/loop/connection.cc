@@ -305,13 +305,16 @@ void Connection::tell(const Exchange& exchange) const {
   if (!head.method.empty()) {
     state_.metrics.count_request(head.method, route.empty() ? "none" : route, status, elapsed_s);
   }
-  spdlog::log(status == 500 || status == 507 ? spdlog::level::warn : spdlog::level::debug, "{} {} {} {} {:.1f} ms",
-              exchange.id(), head.method, exchange.head.target, status, elapsed_s * 1e3);
-  if (!state_.gate) return;
+  if (!state_.gate) {
+    spdlog::log(status == 500 || status == 507 ? spdlog::level::warn : spdlog::level::debug, "{} {} {} {} {:.1f} ms",
+                exchange.id(), head.method, exchange.head.target, status, elapsed_s * 1e3);
+    return;
+  }
   state_.gate->finished({.request_id = exchange.id(),
                          .method = head.method,
                          .path = head.path,
                          .route = route,
+                         .role = head.route ? head.route->role : Role::kAnybody,
                          .peer = peer_,
                          .subject = exchange.reply->subject,
                          .caller = exchange.plan.admission.caller,

@@ -147,7 +147,10 @@ TEST_F(CodeTable, IsReachedWholeAndNothingStoredChanges) {
       {"internal_error", "HttpServerTest.AnExceptionTellsTheClientNothingOfTheInside"},
       {"no_such_backup", "backups are not offered yet"},
       {"range_not_satisfiable", "ranges are ignored: HttpServerTest.RangesAreIgnored"},
-      {"too_many_requests", "one server is one tenant: nobody has a quota yet"},
+      {"unauthorized", "AccessApi.EachRoleOpensItsRoutesAndNoOther"},
+      {"forbidden", "AccessApi.EachRoleOpensItsRoutesAndNoOther"},
+      {"rate_limited", "AccessGateTest.AKeyHasItsRate"},
+      {"quota_exceeded", "reserved: nobody has a quota yet"},
   };
   const std::string stored = dump_store(api_.services().store());
   for (const contract::CodeEntry& entry : contract::kCodes) {

@@ -28,7 +28,8 @@ std::string Answer::header(const std::string& name) const {
   return found == headers.end() ? "" : found->second;
 }
 
-ApiUnderTest::ApiUnderTest(const server::HttpOptions& options, const ServicesOptions& services) : services_(services) {
+ApiUnderTest::ApiUnderTest(const server::HttpOptions& options, const ServicesOptions& services, server::Gate* gate)
+    : services_(services) {
   server::HttpOptions any_port = options;
   any_port.port = 0;
   server::Router router = server::make_router({.store = services_.store(),
@@ -41,7 +42,8 @@ ApiUnderTest::ApiUnderTest(const server::HttpOptions& options, const ServicesOpt
                                                .quality = services_.quality(),
                                                .merges = services_.merges(),
                                                .ready = [this] { return ready; }});
-  http_ = std::make_unique<server::HttpServer>(any_port, std::move(router), metrics_);
+  routes_ = router.routes();
+  http_ = std::make_unique<server::HttpServer>(any_port, std::move(router), metrics_, gate);
   port_ = http_->bind();
   thread_ = std::thread([this] { http_->serve(); });
 }
@@ -49,6 +51,16 @@ ApiUnderTest::ApiUnderTest(const server::HttpOptions& options, const ServicesOpt
 ApiUnderTest::~ApiUnderTest() {
   http_->drain();
   thread_.join();
+}
+
+Answer ApiUnderTest::ask(const std::string& method, const std::string& path, const httplib::Headers& headers,
+                         const std::string& body) const {
+  httplib::Request request;
+  request.method = method;
+  request.path = path;
+  request.headers = headers;
+  request.body = body;
+  return answer_of(connect(port_).send(request));
 }
 
 Answer ApiUnderTest::get(const std::string& path) const { return answer_of(connect(port_).Get(path)); }

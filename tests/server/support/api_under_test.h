@@ -29,14 +29,19 @@ struct Answer {
 
 class ApiUnderTest {
  public:
-  explicit ApiUnderTest(const server::HttpOptions& options = {}, const ServicesOptions& services = {});
+  // `gate` must outlive it; null: everybody is let in.
+  explicit ApiUnderTest(const server::HttpOptions& options = {}, const ServicesOptions& services = {},
+                        server::Gate* gate = nullptr);
   ~ApiUnderTest();
 
   ServicesUnderTest& services() { return services_; }
   int port() const { return port_; }
+  const std::vector<server::Route>& routes() const { return routes_; }
   bool ready = true;
 
   // Any thread; a connection of its own each.
+  Answer ask(const std::string& method, const std::string& path, const httplib::Headers& headers = {},
+             const std::string& body = "") const;
   Answer get(const std::string& path) const;
   Answer post(const std::string& path, const std::string& body, const std::string& type = "application/json") const;
   Answer post_image(const std::string& path, const std::string& bytes) const { return post(path, bytes, "image/jpeg"); }
@@ -51,6 +56,7 @@ class ApiUnderTest {
  private:
   ServicesUnderTest services_;
   server::Metrics metrics_;
+  std::vector<server::Route> routes_;
   std::unique_ptr<server::HttpServer> http_;
   int port_ = 0;
   std::thread thread_;
