@@ -63,6 +63,7 @@ int run(int small, int large) {
   vocabularies.set_default(MAPWELD_SOURCE_DIR "/vocabularies/indoor-50k.mwv");
   server::MapCache cache(store.store(), std::size_t{1} << 30);
   server::WorkerPool workers(1);
+  server::LocalDecoder decoder;
   server::MapOpener opener(store.store(), cache);
   server::MapService maps(store.store(), opener, vocabularies, [](std::int64_t) {});
   contract::CreateMap request;
@@ -80,10 +81,10 @@ int run(int small, int large) {
   };
   for (const int size : {small, large}) {
     server::Metrics unmeasured;
-    server::ImageService filling(store.store(), cache, vocabularies, workers, unmeasured);
+    server::ImageService filling(store.store(), cache, vocabularies, workers, decoder, unmeasured);
     while (vertices < size) upload(filling);
     server::Metrics metrics;
-    server::ImageService measured(store.store(), cache, vocabularies, workers, metrics);
+    server::ImageService measured(store.store(), cache, vocabularies, workers, decoder, metrics);
     std::vector<double> all_ms;
     for (int i = 0; i < kSample; ++i) all_ms.push_back(upload(measured));
     std::nth_element(all_ms.begin(), all_ms.begin() + kSample / 2, all_ms.end());
