@@ -107,39 +107,23 @@ void create_database(const fs::path& file) {
 
 class FolderLock {
  public:
-  // Not taken when another process has it: ask held(). The folder itself is locked beside the file: whoever removes
+  // Not taken when another process has it: ask held(). The folder itself is locked, and then the file: whoever removes
   // the file lets no second server in. Some network file systems lock no folders; there the file has to do.
   explicit FolderLock(const fs::path& file)
-      : folder_(::open(file.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-    descriptor_ = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
-    if (descriptor_ < 0) {
-      const int error = errno;
-      ::close(folder_);
-      throw system_error_of(error, "cannot open " + file.string());
+      : folder_(::open(file.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)),
+        file_(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {
+    int error = file_ < 0 ? errno : 0;
+    if (error == 0 && !is_taken(folder_)) {
+      held_ = ::flock(file_, LOCK_EX | LOCK_NB) == 0;
+      if (!held_ && errno != EWOULDBLOCK) error = errno;
     }
-    const bool folder_taken = ::flock(folder_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-    if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) {
-      if (folder_taken) return;
-      held_ = true;
-      // For people only: a reader of this file may find a process that is gone.
-      const std::string text = std::to_string(::getpid()) + "\n";
-      if (::ftruncate(descriptor_, 0) != 0 || ::pwrite(descriptor_, text.data(), text.size(), 0) < 0) holder_.clear();
-      return;
-    }
-    const int error = errno;
-    if (error != EWOULDBLOCK) {
-      ::close(descriptor_);
-      ::close(folder_);
+    if (error != 0) {
+      close();
       throw system_error_of(error, "cannot lock " + file.string());
     }
-    std::array<char, 32> text{};
-    const auto length = ::pread(descriptor_, text.data(), text.size(), 0);
-    if (length > 0) holder_ = std::string(text.data(), std::strcspn(text.data(), "\n"));
+    held_ ? write_holder() : read_holder();
   }
-  ~FolderLock() {
-    ::close(descriptor_);
-    ::close(folder_);
-  }
+  ~FolderLock() { close(); }
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
 
@@ -147,8 +131,26 @@ class FolderLock {
   const std::string& holder() const { return holder_; }
 
  private:
+  // By another process; a folder that cannot be locked is not taken.
+  static bool is_taken(int folder) { return ::flock(folder, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; }
+
+  // For people only: a reader of this file may find a process that is gone.
+  void write_holder() {
+    const std::string text = std::to_string(::getpid()) + "\n";
+    if (::ftruncate(file_, 0) != 0 || ::pwrite(file_, text.data(), text.size(), 0) < 0) holder_.clear();
+  }
+  void read_holder() {
+    std::array<char, 32> text{};
+    const auto length = ::pread(file_, text.data(), text.size() - 1, 0);
+    if (length > 0) holder_ = std::string(text.data(), std::strcspn(text.data(), "\n"));
+  }
+  void close() const {
+    ::close(file_);
+    ::close(folder_);
+  }
+
   const int folder_;
-  int descriptor_ = -1;
+  const int file_;
   bool held_ = false;
   std::string holder_;
 };
@@ -196,7 +198,8 @@ DataFolder::DataFolder(const fs::path& folder, const DataFolderOptions& options)
   }
   if (!exists) create_database(file);
   if (serve) {
-    for (const fs::path& own : {file, wal, folder_ / "mapweld.db-shm", folder_ / "mapweld.lock"}) take_from_others(own);
+    for (const fs::path& own : {file, wal, folder_ / (std::string(kDatabaseFile) + "-shm"), folder_ / kLockFile})
+      take_from_others(own);
   }
   StoreOptions store_options = options.store;
   if (serve) {
