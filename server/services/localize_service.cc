@@ -1,12 +1,15 @@
 #include "server/services/localize_service.h"
 
+#include <optional>
 #include <stdexcept>
+#include <vector>
 
 #include "client/contract/problem.h"
 #include "core/geometry/epipolar_verifier.h"
 #include "core/mapping/localizer.h"
 #include "core/mapping/static_content.h"
 #include "schema/map_layout.h"
+#include "schema/mask_store.h"
 #include "schema/vertex_store.h"
 #include "server/maps/map_settings.h"
 #include "server/services/image_analyzer.h"
@@ -33,12 +36,13 @@ contract::Funnel describe(const Localization::Funnel& funnel) {
 contract::Localization LocalizeService::localize(const std::string& map_name, const LocalizeQuery& query) {
   if (query.image.empty()) throw ContractError("empty_body", "The image has no bytes.");
   MapRow map;
-  cv::Mat mask;
+  std::optional<std::vector<std::uint8_t>> mask_png;
   {
     const ReadTransaction db = store_.read();
     map = require_map(db, map_name);
-    mask = load_mask(db, map.id, decoder_);
+    mask_png = load_mask_bytes(db, map.id);
   }
+  const cv::Mat mask = mask_in(mask_png, decoder_);
   const MapParameters parameters = settings_of(map).parameters;
   const std::shared_ptr<const Vocabulary> vocabulary = vocabularies_.load(map.vocabulary);
   AnalyzedImage image;

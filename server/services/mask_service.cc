@@ -52,9 +52,8 @@ void MaskService::clear(const std::string& map) {
   if (clear_mask(db, require_plain_map(db, map).id)) db.commit();
 }
 
-cv::Mat load_mask(const Reader& db, MapId map, ImageDecoder& decoder) {
-  const auto bytes = load_mask_bytes(db, map);
-  return bytes ? mask_of(decoder.decode(*bytes, false)) : cv::Mat();
+cv::Mat mask_in(const std::optional<std::vector<std::uint8_t>>& png, ImageDecoder& decoder) {
+  return png ? mask_of(decoder.decode(*png, false)) : cv::Mat();
 }
 
 }  // namespace mapweld::server

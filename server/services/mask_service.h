@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <opencv2/core/mat.hpp>
 
@@ -31,7 +33,8 @@ class MaskService {
   ImageDecoder& decoder_;
 };
 
-// The mask of a map for core/feature/mask.h; empty when it has none.
-cv::Mat load_mask(const Reader& db, MapId map, ImageDecoder& decoder);
+// The mask of a map for core/feature/mask.h, from load_mask_bytes(); empty when it has none. Decodes: not for within a
+// transaction.
+cv::Mat mask_in(const std::optional<std::vector<std::uint8_t>>& png, ImageDecoder& decoder);
 
 }  // namespace mapweld::server

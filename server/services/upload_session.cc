@@ -8,6 +8,7 @@
 #include "client/contract/problem.h"
 #include "core/geometry/epipolar_verifier.h"
 #include "schema/edge_store.h"
+#include "schema/mask_store.h"
 #include "server/maps/map_snapshot.h"
 #include "server/maps/stored_map.h"
 #include "server/services/hashing.h"
@@ -37,8 +38,12 @@ void UploadContext::refuse_when_stopping() const {
 UploadSession::UploadSession(UploadContext& context, const std::string& map_name,
                              const std::optional<std::string>& map_uuid)
     : context_(context) {
-  const ReadTransaction db = context.store.read();
-  map_ = require_map(db, map_name);
+  std::optional<std::vector<std::uint8_t>> mask_png;
+  {
+    const ReadTransaction db = context.store.read();
+    map_ = require_map(db, map_name);
+    mask_png = load_mask_bytes(db, map_.id);
+  }
   if (map_.kind == MapKind::kMerged) {
     throw ContractError("map_is_merged", "\"" + map_name + "\" is a merged map; upload into one of its members.");
   }
@@ -46,7 +51,7 @@ UploadSession::UploadSession(UploadContext& context, const std::string& map_name
     throw ContractError("wrong_map", "The map \"" + map_name + "\" has another uuid: it is not the one you mean.");
   }
   settings_ = settings_of(map_);
-  mask_ = load_mask(db, map_.id, context.decoder);
+  mask_ = mask_in(mask_png, context.decoder);
   vocabulary_ = context.vocabularies.load(map_.vocabulary);
   verifier_ = make_verifier({.min_inliers = settings_.parameters.min_inliers});
   try {
