@@ -18,7 +18,7 @@ struct ServerConfig {
   AccessOptions access;
   bool insecure = false;                            // any address may be listened on without keys
   int extract_threads = 0;                          // 0: one a core
-  int decoders = 0;                                 // processes that decode images (DecoderPool); 0: this one does
+  int decoders = 0;                                 // processes for decoding; 0: none; -1: one for each of those
   int merge_workers = 1;                            // merges that run at the same time
   int verify_threads = 0;                           // on which merges verify pairs; 0: one a core
   double checkpoint_interval_s = 0.5;               // of a running merge, where checkpoints are cheap enough

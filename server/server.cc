@@ -33,6 +33,10 @@ namespace {
 
 int cores() { return static_cast<int>(std::max(1u, std::thread::hardware_concurrency())); }
 
+int extract_threads(const ServerConfig& config) {
+  return config.extract_threads > 0 ? config.extract_threads : cores();
+}
+
 MergeJobOptions job_options(const ServerConfig& config) {
   MergeJobOptions options;
   options.verifier = make_verifier;
@@ -46,7 +50,8 @@ MergeJobOptions job_options(const ServerConfig& config) {
 std::unique_ptr<DecoderPool> make_decoders(const ServerConfig& config) {
   if (config.decoders == 0) return nullptr;
   return std::make_unique<DecoderPool>(
-      DecoderPoolOptions{.processes = config.decoders, .max_file_bytes = config.http.max_body_bytes});
+      DecoderPoolOptions{.processes = config.decoders > 0 ? config.decoders : extract_threads(config),
+                         .max_file_bytes = config.http.max_body_bytes});
 }
 
 // How long after stop() the images of requests under way are still stored.
@@ -62,7 +67,7 @@ class Server::Impl {
         cache_(store_, config.cache_mb * 1024 * 1024),
         opener_(store_, cache_),
         decoders_(make_decoders(config)),
-        workers_(config.extract_threads > 0 ? config.extract_threads : cores(), give_back_freed_memory),
+        workers_(extract_threads(config), give_back_freed_memory),
         vocabularies_(store_),
         jobs_(store_, job_options(config)),
         merges_(store_, jobs_, opener_),

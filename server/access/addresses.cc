@@ -1,8 +1,6 @@
 #include "server/access/addresses.h"
 
-#include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstdint>
 #include <cstring>
 #include <memory>
@@ -12,6 +10,8 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
+#include "server/http/wire/text.h"
+
 namespace mapweld::server {
 namespace {
 
@@ -19,12 +19,6 @@ bool is_loopback(const in_addr& four) { return ntohl(four.s_addr) >> 24 == IN_LO
 
 bool is_loopback(const in6_addr& six) {
   return IN6_IS_ADDR_LOOPBACK(&six) || (IN6_IS_ADDR_V4MAPPED(&six) && six.s6_addr[12] == IN_LOOPBACKNET);
-}
-
-std::string lower(std::string_view text) {
-  std::string lowered(text);
-  std::ranges::transform(lowered, lowered.begin(), [](unsigned char c) { return std::tolower(c); });
-  return lowered;
 }
 
 std::string with_port(std::string_view host, std::string_view port) {

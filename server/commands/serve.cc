@@ -130,7 +130,7 @@ void add_serve_command(CLI::App& app) {
   const auto config = std::make_shared<ServerConfig>();
   const auto max_body_mb = std::make_shared<std::size_t>(config->http.max_body_bytes >> 20);
   const auto vocabulary = std::make_shared<std::string>();
-  const auto decoders = std::make_shared<int>(-1);
+  config->decoders = -1;
   CLI::App* command = app.add_subcommand("serve", "Serves the maps of a data folder over HTTP");
   command->add_option("--data", config->data, "Data folder; created when missing")->envname("MAPWELD_DATA")->required();
   command->add_option("--host", config->http.host, "Address to listen on")
@@ -181,7 +181,7 @@ void add_serve_command(CLI::App& app) {
       ->capture_default_str();
   command
       ->add_option(
-          "--decoders", *decoders,
+          "--decoders", config->decoders,
           "Processes that decode images, each in a sandbox; 0: decode in the server itself. Default: as many as "
           "images are analysed at the same time")
       ->envname("MAPWELD_DECODERS")
@@ -221,14 +221,10 @@ void add_serve_command(CLI::App& app) {
       ->transform(CLI::CheckedTransformer(
           std::map<std::string, LogFormat>{{"text", LogFormat::kText}, {"json", LogFormat::kJson}}))
       ->default_str("text");
-  command->callback([config, max_body_mb, vocabulary, decoders] {
+  command->callback([config, max_body_mb, vocabulary] {
     config->access.per_caller.burst = std::max(1.0, 2 * config->access.per_caller.per_s);
     config->http.max_body_bytes = *max_body_mb << 20;
     config->http.max_bodies_bytes = std::max(config->http.max_bodies_bytes, 2 * config->http.max_body_bytes);
-    const int extract_threads = config->extract_threads > 0
-                                    ? config->extract_threads
-                                    : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-    config->decoders = *decoders >= 0 ? *decoders : extract_threads;
     if (!vocabulary->empty()) config->vocabulary = *vocabulary;
     try {
       serve(*config);
