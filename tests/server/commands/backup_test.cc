@@ -5,12 +5,12 @@
 #include <string>
 #include <thread>
 
-#include <CLI/CLI.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "schema/edge_store.h"
 #include "schema/vertex_store.h"
+#include "tests/server/commands/run_command.h"
 #include "tests/support/temp_store.h"
 
 namespace mapweld::test {
@@ -19,41 +19,29 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-struct Ran {
-  int exit_code = 0;
-  std::string output;
-  std::string errors;
-};
+Ran run(const std::string& line) { return run_command(server::add_backup_commands, line); }
 
-Ran run(const std::string& command) {
-  CLI::App app;
-  server::add_backup_commands(app);
-  Ran ran;
-  ::testing::internal::CaptureStdout();
-  ::testing::internal::CaptureStderr();
-  try {
-    app.parse(command);
-  } catch (const CLI::RuntimeError& error) {
-    ran.exit_code = error.get_exit_code();
+// A map of 20 vertices.
+MapId add_filled_map(TempStore& store, VocabularyId vocabulary, int features) {
+  const MapId map = add_map(store, "a", vocabulary);
+  Random random(3);
+  for (int i = 0; i < 20; ++i) {
+    add_vertex(store, map, vocabulary, std::to_string(i), random_appearances(random, features, 1'000));
   }
-  ran.output = ::testing::internal::GetCapturedStdout();
-  ran.errors = ::testing::internal::GetCapturedStderr();
-  return ran;
+  return map;
 }
 
 TEST(BackupCommand, WhatWasThereIsThereAgainThoughTheServerGoesOn) {
   TempStore store;
   const TempFolder out;
   const VocabularyId vocabulary = add_vocabulary(store);
-  const MapId map = add_map(store, "a", vocabulary);
-  Random random(3);
-  const auto add = [&](int i) {
-    add_vertex(store, map, vocabulary, std::to_string(i), random_appearances(random, 30, 1'000));
-  };
-  for (int i = 0; i < 20; ++i) add(i);
+  const MapId map = add_filled_map(store, vocabulary, 30);
   std::atomic<bool> stop = false;
   std::thread writer([&] {
-    for (int i = 20; !stop; ++i) add(i);
+    Random random(4);
+    for (int i = 20; !stop; ++i) {
+      add_vertex(store, map, vocabulary, std::to_string(i), random_appearances(random, 30, 1'000));
+    }
   });
   const std::string data = (store.folder() / "data").string();
   const std::string file = (out.path() / "copy").string();
@@ -98,12 +86,7 @@ TEST(BackupCommand, NothingIsOverwritten) {
 TEST(BackupCommand, WhatIsNoBackupIsRefusedAndWhatIsDamagedIsTold) {
   TempStore store;
   const TempFolder out;
-  const VocabularyId vocabulary = add_vocabulary(store);
-  const MapId map = add_map(store, "a", vocabulary);
-  Random random(3);
-  for (int i = 0; i < 20; ++i) {
-    add_vertex(store, map, vocabulary, std::to_string(i), random_appearances(random, 300, 1'000));
-  }
+  add_filled_map(store, add_vocabulary(store), 300);
   const std::string text = (out.path() / "text").string();
   std::ofstream(text) << "no database at all, but long enough to have the header of one: " << std::string(200, 'x');
   EXPECT_EQ(run("restore --data " + (out.path() / "a").string() + " " + text).exit_code, 2);

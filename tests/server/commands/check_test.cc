@@ -4,12 +4,12 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/geometry/epipolar_verifier.h"
 #include "server/jobs/merge_jobs.h"
+#include "tests/server/commands/run_command.h"
 #include "tests/server/jobs/stored_toy_maps.h"
 #include "tests/support/temp_store.h"
 
@@ -18,26 +18,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-struct Checked {
-  int exit_code = 0;
-  std::string output;
-  std::string errors;
-};
-
-Checked check(const std::string& data, const std::string& flags = {}) {
-  CLI::App app;
-  server::add_check_command(app);
-  Checked run;
-  ::testing::internal::CaptureStdout();
-  ::testing::internal::CaptureStderr();
-  try {
-    app.parse("check --data " + data + flags);
-  } catch (const CLI::RuntimeError& error) {
-    run.exit_code = error.get_exit_code();
-  }
-  run.output = ::testing::internal::GetCapturedStdout();
-  run.errors = ::testing::internal::GetCapturedStderr();
-  return run;
+Ran check(const std::string& data, const std::string& flags = {}) {
+  return run_command(server::add_check_command, "check --data " + data + flags);
 }
 
 // Accepts about half of all pairs, on no matches that one could look at.
@@ -60,7 +42,7 @@ TEST(CheckCommand, FindsAWholeFolderInOrderAlsoBesideAServer) {
   const VocabularyId vocabulary = add_vocabulary(store);
   Random random(1);
   add_vertex(store, add_map(store, "lab", vocabulary), vocabulary, "a", random_appearances(random, 50, 1000));
-  const Checked run = check((store.folder() / "data").string());
+  const Ran run = check((store.folder() / "data").string());
   EXPECT_EQ(run.exit_code, 0) << run.output << run.errors;
   EXPECT_THAT(run.output, HasSubstr("1 maps, 1 images"));
   EXPECT_THAT(run.output, HasSubstr("all in order"));
@@ -76,7 +58,7 @@ TEST(CheckCommand, NamesWhatIsDamaged) {
     db.prepare("UPDATE maps SET vertices = 7").run();
     db.commit();
   }
-  const Checked run = check((store.folder() / "data").string());
+  const Ran run = check((store.folder() / "data").string());
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(run.output, HasSubstr("findings"));
   EXPECT_THAT(run.output, HasSubstr("lab"));
@@ -97,7 +79,7 @@ TEST(CheckCommand, NamesAMergeThatCannotGoOnAndWhatHelps) {
   options.verifier = make_verifier;
   run("ours", options);
   const std::string data = (store.folder() / "data").string();
-  Checked found = check(data);
+  Ran found = check(data);
   EXPECT_EQ(found.exit_code, 0) << found.output << found.errors;
   EXPECT_THAT(found.output, HasSubstr("all in order"));
   // Verdicts of another verifier are noted.
@@ -127,7 +109,7 @@ TEST(CheckCommand, NamesAMergeThatCannotGoOnAndWhatHelps) {
 
 TEST(CheckCommand, SaysWhyAFolderCannotBeRead) {
   const TempFolder folder;
-  const Checked run = check((folder.path() / "nothing").string());
+  const Ran run = check((folder.path() / "nothing").string());
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_THAT(run.errors, HasSubstr("mapweld-server: "));
 }

@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
 #include "server/commands/evaluate.h"
 #include "tests/core/geometry/two_view_scene.h"
+#include "tests/server/commands/run_command.h"
 #include "tests/support/temp_store.h"
 
 namespace mapweld::test {
@@ -24,25 +24,8 @@ namespace fs = std::filesystem;
 
 constexpr int kPlaces = 8;
 
-struct Outcome {
-  int exit_code = 0;
-  std::string errors;
-};
-
-Outcome evaluate(const std::string& arguments) {
-  CLI::App app;
-  server::add_evaluate_command(app);
-  Outcome outcome;
-  ::testing::internal::CaptureStdout();
-  ::testing::internal::CaptureStderr();
-  try {
-    app.parse("evaluate " + arguments);
-  } catch (const CLI::RuntimeError& error) {
-    outcome.exit_code = error.get_exit_code();
-  }
-  ::testing::internal::GetCapturedStdout();
-  outcome.errors = ::testing::internal::GetCapturedStderr();
-  return outcome;
+Ran evaluate(const std::string& arguments) {
+  return run_command(server::add_evaluate_command, "evaluate " + arguments);
 }
 
 std::string text_of(const fs::path& path) {
@@ -100,8 +83,8 @@ class EvaluateCommand : public ::testing::Test {
 };
 
 TEST_F(EvaluateCommand, WritesReportFiguresAndSheetsBesideAServer) {
-  const Outcome run = evaluate("--data " + data() + " --maps first second --methods quickconnect,brute-force --truth " +
-                               truth() + " --sample-edges 3 --out " + out().string());
+  const Ran run = evaluate("--data " + data() + " --maps first second --methods quickconnect,brute-force --truth " +
+                           truth() + " --sample-edges 3 --out " + out().string());
   ASSERT_EQ(run.exit_code, 0) << run.errors;
   EXPECT_THAT(run.errors, HasSubstr("quickconnect"));
   const std::string report = text_of(out() / "report.md");
@@ -126,7 +109,7 @@ TEST_F(EvaluateCommand, WritesReportFiguresAndSheetsBesideAServer) {
 }
 
 TEST_F(EvaluateCommand, SharesVerdictsOnRequestAndSaysSo) {
-  const Outcome run = evaluate("--data " + data() + " --maps second first --memo --runs 2 --out " + out().string());
+  const Ran run = evaluate("--data " + data() + " --maps second first --memo --runs 2 --out " + out().string());
   ASSERT_EQ(run.exit_code, 0) << run.errors;
   const std::string report = text_of(out() / "report.md");
   EXPECT_THAT(report, HasSubstr("| vertices | 8 + 9 |"));
@@ -136,8 +119,8 @@ TEST_F(EvaluateCommand, SharesVerdictsOnRequestAndSaysSo) {
 }
 
 TEST_F(EvaluateCommand, CountsConfirmedEdgesOnRequest) {
-  const Outcome run = evaluate("--data " + data() + " --maps first second --methods quickconnect --confirmed --truth " +
-                               truth() + " --out " + out().string());
+  const Ran run = evaluate("--data " + data() + " --maps first second --methods quickconnect --confirmed --truth " +
+                           truth() + " --out " + out().string());
   ASSERT_EQ(run.exit_code, 0) << run.errors;
   const std::string report = text_of(out() / "report.md");
   EXPECT_THAT(report, HasSubstr("confirmed by the alias guard: **these count** (`--confirmed`)"));
@@ -158,7 +141,7 @@ TEST_F(EvaluateCommand, ChangesNothingInTheStore) {
 
 TEST_F(EvaluateCommand, SaysWhatItCannotDo) {
   const auto refusal = [&](const std::string& rest) {
-    const Outcome run = evaluate("--data " + data() + " --out " + out().string() + " " + rest);
+    const Ran run = evaluate("--data " + data() + " --out " + out().string() + " " + rest);
     EXPECT_EQ(run.exit_code, 1) << rest;
     return run.errors;
   };
