@@ -18,7 +18,7 @@
 namespace mapweld::server {
 namespace {
 
-// Room for 16 megapixels of four 16-bit channels with what a progressive file of four inks keeps beside them.
+// Twice what 16 megapixels of four 16-bit channels need, interlaced: 364 MB.
 constexpr std::size_t kMaxMemoryBytes = std::size_t{768} << 20;
 
 void copy_out(const cv::Mat& pixels, std::uint8_t* to) {
