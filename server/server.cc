@@ -20,6 +20,9 @@
 #include "server/access/key_ring.h"
 #include "server/api/api.h"
 #include "server/decoding/decoder_pool.h"
+#include "server/events/event_hub.h"
+#include "server/events/map_events.h"
+#include "server/events/merge_events.h"
 #include "server/jobs/merge_jobs.h"
 #include "server/judge_worker.h"
 #include "server/maps/map_cache.h"
@@ -37,9 +40,10 @@ int extract_threads(const ServerConfig& config) {
   return config.extract_threads > 0 ? config.extract_threads : cores();
 }
 
-MergeJobOptions job_options(const ServerConfig& config) {
+MergeJobOptions job_options(const ServerConfig& config, MergeListener& listener) {
   MergeJobOptions options;
   options.verifier = make_verifier;
+  options.listener = &listener;
   options.checkpoint_interval_s = config.checkpoint_interval_s;
   options.workers = config.merge_workers;
   options.verify_threads = config.verify_threads > 0 ? config.verify_threads : cores();
@@ -69,11 +73,14 @@ class Server::Impl {
         decoders_(make_decoders(config)),
         workers_(extract_threads(config), give_back_freed_memory),
         vocabularies_(store_),
-        jobs_(store_, job_options(config)),
+        merge_events_(store_, events_),
+        jobs_(store_, job_options(config, merge_events_)),
         merges_(store_, jobs_, opener_),
         maps_(store_, opener_, vocabularies_, [this](std::int64_t merge) { merges_.remove(merge); }),
         masks_(store_, decoder()),
-        images_(store_, cache_, vocabularies_, workers_, decoder(), metrics_),
+        images_(store_, cache_, vocabularies_, workers_, decoder(), metrics_,
+                {.stored = [this](const std::string& map,
+                                  const contract::Upload& upload) { tell_image(events_, map, upload); }}),
         localization_(store_, opener_, vocabularies_, workers_, decoder(), metrics_),
         quality_(store_),
         keys_(config.data),
@@ -123,6 +130,7 @@ class Server::Impl {
                         .localization = localization_,
                         .quality = quality_,
                         .merges = merges_,
+                        .events = events_,
                         .ready = [this] { return !stopping_ && store_.in_place() && has_vocabulary(); }});
   }
 
@@ -201,6 +209,8 @@ class Server::Impl {
   LocalDecoder local_decoder_;
   WorkerPool workers_;
   VocabularyService vocabularies_;
+  EventHub events_;
+  MergeEvents merge_events_;
   MergeJobs jobs_;
   MergeService merges_;
   MapService maps_;

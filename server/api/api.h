@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#include "server/events/event_hub.h"
 #include "server/http/router.h"
 #include "server/metrics/metrics.h"
 #include "server/services/image_service.h"
@@ -26,6 +27,7 @@ struct Services {
   LocalizeService& localization;
   QualityService& quality;
   MergeService& merges;
+  EventHub& events;
   std::function<bool()> ready;  // the server takes requests and can make maps
 };
 
@@ -38,6 +40,7 @@ void add_vocabulary_routes(Router& router, const Services& services);
 void add_map_routes(Router& router, const Services& services);
 void add_mask_routes(Router& router, const Services& services);
 void add_image_routes(Router& router, const Services& services);
+void add_event_routes(Router& router, const Services& services);
 void add_merge_routes(Router& router, const Services& services);
 
 }  // namespace mapweld::server

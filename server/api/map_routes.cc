@@ -1,6 +1,7 @@
 #include "client/contract/map.h"
 #include "server/api/api.h"
 #include "server/api/replies.h"
+#include "server/events/map_events.h"
 #include "server/services/graph_export.h"
 #include "server/services/pair_service.h"
 #include "server/services/route_service.h"
@@ -39,15 +40,17 @@ Reply stream_graph(Store& store, const Request& request) {
 
 void add_map_routes(Router& router, const Services& services) {
   MapService& maps = services.maps;
+  EventHub& events = services.events;
   router.add({.method = "POST",
               .pattern = "/v1/maps",
               .role = Role::kWrite,
               .body = BodyRule::kRequired,
               .json_body = true,
-              .handler = [&maps](const Request& request) {
+              .handler = [&maps, &events](const Request& request) {
                 const auto map =
                     maps.create(contract::read_request<contract::CreateMap>(contract::parse_json(request.body)),
                                 request.caller.get());
+                tell_map(events, map.name, "created");
                 Reply reply = json_reply(201, map);
                 reply.subject = map.name;
                 reply.headers.emplace_back("Location", "/v1/maps/" + map.name);
@@ -68,8 +71,9 @@ void add_map_routes(Router& router, const Services& services) {
               .pattern = "/v1/maps/{map}",
               .role = Role::kWrite,
               .body = BodyRule::kOptional,
-              .handler = [&maps](const Request& request) {
+              .handler = [&maps, &events](const Request& request) {
                 maps.remove(request.parameter("map"));
+                tell_map(events, request.parameter("map"), "deleted");
                 return no_content();
               }});
   router.add({.method = "GET",

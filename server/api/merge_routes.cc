@@ -1,12 +1,11 @@
 #include "client/contract/merge.h"
 #include "server/api/api.h"
 #include "server/api/replies.h"
+#include "server/events/map_events.h"
 #include "server/services/pair_service.h"
 
 namespace mapweld::server {
 namespace {
-
-using contract::ContractError;
 
 // Of a merge that the caller may use.
 std::int64_t merge_in_path(const MergeService& merges, const Request& request) {
@@ -33,15 +32,17 @@ Reply merge_reply(int status, const contract::Merge& merge) {
 
 void add_merge_routes(Router& router, const Services& services) {
   MergeService& merges = services.merges;
+  EventHub& events = services.events;
   router.add({.method = "POST",
               .pattern = "/v1/merges",
               .role = Role::kOperate,
               .body = BodyRule::kRequired,
               .json_body = true,
-              .handler = [&merges](const Request& request) {
+              .handler = [&merges, &events](const Request& request) {
                 const auto merge =
                     merges.submit(contract::read_request<contract::SubmitMerge>(contract::parse_json(request.body)),
                                   request.caller.get());
+                tell_map(events, merge.map, "created");
                 Reply reply = merge_reply(202, merge);
                 reply.headers.emplace_back("Location", merge.links.self);
                 return reply;
@@ -64,8 +65,11 @@ void add_merge_routes(Router& router, const Services& services) {
               .pattern = "/v1/merges/{merge}",
               .role = Role::kOperate,
               .body = BodyRule::kOptional,
-              .handler = [&merges](const Request& request) {
-                merges.remove(merge_in_path(merges, request));
+              .handler = [&merges, &events](const Request& request) {
+                const std::int64_t id = merge_in_path(merges, request);
+                const std::string map = merges.get(id).map;
+                merges.remove(id);
+                tell_map(events, map, "deleted");
                 return no_content();
               }});
   router.add({.method = "GET",
@@ -122,14 +126,6 @@ void add_merge_routes(Router& router, const Services& services) {
                 const VertexPair pair = pair_in_path(request);
                 return json_reply(
                     200, explain_pair(store, merge_in_path(merges, request), pair.u, pair.v, pair.with_matches));
-              }});
-  router.add({.method = "GET",
-              .pattern = "/v1/merges/{merge}/events",
-              .role = Role::kRead,
-              .handler = [&merges](const Request& request) -> Reply {
-                merges.get(merge_in_path(merges, request));
-                throw ContractError("not_implemented",
-                                    "This is not offered yet; poll the merge and its edges instead.");
               }});
 }
 

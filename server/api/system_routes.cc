@@ -60,6 +60,7 @@ Router make_router(const Services& services) {
   add_mask_routes(router, services);
   add_image_routes(router, services);
   add_merge_routes(router, services);
+  add_event_routes(router, services);
   return router;
 }
 

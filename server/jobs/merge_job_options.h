@@ -9,6 +9,8 @@
 
 namespace mapweld::server {
 
+class MergeListener;
+
 // Makes the verifier that a job's pairs are put to; called once a run.
 using VerifierFactory = std::function<std::shared_ptr<const PairVerifier>(const VerifierOptions&)>;
 
@@ -20,6 +22,7 @@ struct MergeJobOptions {
   double checkpoint_cost_share = 0.1;  // of a job's time at most: a checkpoint of d seconds waits for d / share more
   double metrics_interval_s = 0.2;     // between exact eigenvalues, and how old what is polled may be
   double metrics_cost_share = 0.1;
+  MergeListener* listener = nullptr;            // told what merges do; may be null, else outlives the jobs
   std::function<void(const std::string&)> log;  // told of runs that fail or cannot be stored; may be empty
 };
 

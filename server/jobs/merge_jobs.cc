@@ -79,6 +79,7 @@ MergeStatus MergeJobs::submit(const MergeRequest& request) {
     job = store_submission(db, request, now());
     db.commit();
   }
+  workers_->tell_state(job);
   workers_->enqueue(job);
   return get(to_index(job));
 }
@@ -140,6 +141,7 @@ MergeStatus MergeJobs::stop(JobId job, RunCommand command, JobState state, std::
     } else {
       move_at_rest(store_, job, state, from, wish);
       workers_->forget_failure(job);
+      workers_->tell_state(job);
     }
   }
   if (run) {
@@ -201,6 +203,7 @@ MergeStatus MergeJobs::resume(std::int64_t id, const std::optional<MergeBudget>&
     requeue_merge(db, job, new_budget, now());
     db.commit();
   }
+  workers_->tell_state(job);
   workers_->enqueue(job);
   return get(id);
 }
@@ -219,6 +222,7 @@ MergeStatus MergeJobs::restart(std::int64_t id, const std::optional<MergeBudget>
     restart_merge(db, job, budget ? std::optional(to_row(*budget)) : std::nullopt, now());
     db.commit();
   }
+  workers_->tell_state(job);
   workers_->enqueue(job);
   return get(id);
 }
@@ -241,6 +245,7 @@ void MergeJobs::remove(std::int64_t id) {
     db.commit();
     if (run) run->command(RunCommand::kAbandon);
     workers_->forget_failure(job);
+    workers_->tell_state(job);
   }
   if (run) workers_->wait_for_end(job, run);
 }

@@ -19,6 +19,7 @@
 #include "server/jobs/merge_eta.h"
 #include "server/jobs/merge_input_loader.h"
 #include "server/jobs/merge_job_rows.h"
+#include "server/jobs/merge_listener.h"
 #include "server/jobs/merge_watch.h"
 #include "server/jobs/pacer.h"
 #include "server/services/times.h"
@@ -49,6 +50,7 @@ class Run {
       : store_(store),
         job_(job),
         control_(control),
+        listener_(options.listener),
         row_(std::move(loaded.row)),
         checkpoints_(options.checkpoint_interval_s, options.checkpoint_cost_share),
         metrics_pacer_(options.metrics_interval_s, options.metrics_cost_share / 2),
@@ -72,6 +74,7 @@ class Run {
     const MergeProgress before = progress_of(row_);
     revoked_before_ = before.revoked;
     candidates_known_before_ = before.candidates_known;
+    is_guarded_ = loaded.guard != nullptr;
     watch_ = std::make_unique<MergeWatch>(*merger_, std::move(loaded.guard), std::move(loaded.judgements));
   }
 
@@ -124,7 +127,11 @@ class Run {
   void after_step() {
     const double now_s = elapsed_s();
     const MergeState& state = merger_->state();
-    while (edge_times_s_.size() < state.edges.size() - edges_stored_) edge_times_s_.push_back(now_s);
+    while (edge_times_s_.size() < state.edges.size() - edges_stored_) {
+      const std::size_t edge = edges_stored_ + edge_times_s_.size();
+      edge_times_s_.push_back(now_s);
+      if (listener_) listener_->on_edge(job_, state.step, point_of(edge, !is_guarded_));
+    }
     const bool phase_changed = state.phase != measured_phase_;
     const bool leaves_time = now_s + metrics_cost_s_ + certificate_cost_s_ + finish_cost_s() < limit_s_;
     if (leaves_time && (phase_changed || metrics_pacer_.due(now_s))) {
@@ -148,6 +155,7 @@ class Run {
     progress_.confirmed = watch_->confirmed_edges();
     progress_.revoked = revoked_before_ + watch_->revoked();
     progress_.members = watch_->members();
+    tell_verdicts();
     progress_.certified = watch_->certified();
     if (had_new_edges) metrics_cost_s_ = elapsed_s() - began_s;
     measured_phase_ = state.phase;
@@ -156,6 +164,31 @@ class Run {
     metrics_pacer_.set_interval(interval_s);
     certificate_pacer_.set_interval(interval_s);
     metrics_pacer_.done(began_s, elapsed_s());
+  }
+
+  // The edge as events tell it.
+  MergeEdgePoint point_of(std::size_t edge, bool confirmed) const {
+    const MergeEdge& e = merger_->state().edges[edge];
+    MergeEdgePoint point{.u = e.u,
+                         .v = e.v,
+                         .votes = e.votes,
+                         .inliers = static_cast<std::uint32_t>(e.verification.inliers),
+                         .verifications = e.verifications,
+                         .elapsed_s = elapsed_s(),
+                         .confirmed = confirmed,
+                         .confidence = {},
+                         .doubt = {}};
+    return point;
+  }
+
+  void tell_verdicts() {
+    if (!listener_) return;
+    for (const MergeWatch::Change& change : watch_->tell_changes()) {
+      MergeEdgePoint point = point_of(change.edge, change.verdict.confirmed());
+      point.confidence = change.verdict.confidence;
+      point.doubt = to_string(change.verdict.reason);
+      listener_->on_verdict(job_, merger_->state().step, point);
+    }
   }
 
   void refresh_certificate() {
@@ -193,6 +226,7 @@ class Run {
     progress_.eta_s = merge_eta_s(merger_->candidates_total(), state.verifications, verifications_before_,
                                   published_s_ - row_.spent.elapsed_s);
     control_.publish(progress_);
+    if (listener_) listener_->on_progress(job_, progress_);
   }
 
   // One transaction: what changed of the state, new edges, curve points, what is spent; and the end of the run, if it
@@ -297,6 +331,8 @@ class Run {
   Store& store_;
   JobId job_;
   RunControl& control_;
+  MergeListener* const listener_;
+  bool is_guarded_ = false;
   MergeRow row_;  // as the run found it
   std::unique_ptr<Merger> merger_;
   std::uint64_t verifications_before_ = 0;  // made when the run began

@@ -19,6 +19,16 @@ std::uint64_t MergeWatch::revoked_of_the_written(const std::vector<GuardVerdict>
   }));
 }
 
+std::vector<bool> MergeWatch::confirmed_as_written() const {
+  std::set<std::pair<VertexId, VertexId>> confirmed;
+  for (const JudgedEdge& edge : written_) {
+    if (edge.judgement.doubt == Reason::kNone) confirmed.emplace(edge.u, edge.v);
+  }
+  std::vector<bool> heard;
+  for (const MergeEdge& edge : merger_.state().edges) heard.push_back(confirmed.contains(std::minmax(edge.u, edge.v)));
+  return heard;
+}
+
 void MergeWatch::judge() {
   const std::vector<MergeEdge>& edges = merger_.state().edges;
   if (!guards() || verdicts_.size() == edges.size()) return;
@@ -89,6 +99,17 @@ void MergeWatch::measure_certificate() {
   certified_connectivity_ = metrics_.largest_algebraic_connectivity;
   certified_ =
       Certified{certificate->certified_fraction, outlook_.estimate(merger_)->fraction, certificate->joinable_vertices};
+}
+
+std::vector<MergeWatch::Change> MergeWatch::tell_changes() {
+  std::vector<Change> changes;
+  heard_.resize(std::max(heard_.size(), verdicts_.size()));
+  for (std::size_t e = 0; e < verdicts_.size(); ++e) {
+    if (heard_[e] == verdicts_[e].confirmed()) continue;
+    heard_[e] = verdicts_[e].confirmed();
+    changes.push_back({e, verdicts_[e]});
+  }
+  return changes;
 }
 
 MergeWatch::Judgements MergeWatch::tell_judgements(std::size_t stored, bool all) {

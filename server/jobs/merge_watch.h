@@ -31,6 +31,7 @@ class MergeWatch {
       : merger_(merger),
         guard_(std::move(guard)),
         written_(std::move(written)),
+        heard_(confirmed_as_written()),
         outlook_([this](const Merger&) { return standings(); }) {}
 
   // Measures what can have changed since the last time; a certificate that no longer says anything is forgotten. With
@@ -51,6 +52,13 @@ class MergeWatch {
   // What is thought of each edge of the merger's state, as it stands now; empty without a guard.
   std::vector<EdgeStanding> standings();
 
+  // The edges whose confirmation came or was taken back since this was asked last, or since what was written.
+  struct Change {
+    std::size_t edge = 0;
+    GuardVerdict verdict;
+  };
+  std::vector<Change> tell_changes();
+
   // What is thought of the merge's edges now that was not told yet, or is thought otherwise: of the first `stored`
   // ones, whose rows are there, and of those beyond them, in their order. Confidences that moved by less than
   // kTellingConfidence while the edge stayed confirmed, or withheld, wait until `all` is asked for.
@@ -63,6 +71,7 @@ class MergeWatch {
  private:
   bool guards() const { return guard_ != nullptr; }
   void judge();
+  std::vector<bool> confirmed_as_written() const;
   std::uint64_t revoked_of_the_written(const std::vector<GuardVerdict>& verdicts) const;
   bool is_confirmed(std::size_t edge) const { return !guards() || verdicts_[edge].confirmed(); }
   AppearanceGraph confirmed_graph() const;
@@ -70,6 +79,7 @@ class MergeWatch {
   const Merger& merger_;
   const std::shared_ptr<AliasGuard> guard_;
   std::vector<JudgedEdge> written_;  // until they are compared
+  std::vector<bool> heard_;          // by edge: confirmed when tell_changes was asked last
   Outlook outlook_;
   MergeMetricsFollower follower_;
   MergeMetrics metrics_;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "schema/merge_store.h"
+#include "server/jobs/merge_listener.h"
 #include "server/jobs/merge_run.h"
 #include "server/services/times.h"
 
@@ -55,7 +56,9 @@ void MergeWorkers::work() {
   while (const std::optional<JobId> job = next_job()) {
     const std::shared_ptr<RunControl> run = claim(*job);
     if (!run) continue;
+    tell_state(*job);
     const RunOutcome outcome = run_merge(store_, *job, *run, options_, executor_);
+    tell_state(*job);
     const std::lock_guard lock(mutex_);
     if (!outcome.is_stored) unstored_failures_[*job] = outcome.error;
     const auto found = running_.find(*job);
@@ -101,6 +104,10 @@ void MergeWorkers::enqueue(JobId job) {
     queue_.push_back(job);
   }
   work_.notify_one();
+}
+
+void MergeWorkers::tell_state(JobId job) const {
+  if (options_.listener) options_.listener->on_state(job);
 }
 
 std::shared_ptr<RunControl> MergeWorkers::run_of(JobId job) const {

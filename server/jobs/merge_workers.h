@@ -40,6 +40,8 @@ class MergeWorkers {
 
   // Puts a job that is queued in the store in line.
   void enqueue(JobId job);
+  // To the listener, when there is one: a job's state in the store may be another.
+  void tell_state(JobId job) const;
 
   // The job's run; null while no worker has it.
   std::shared_ptr<RunControl> run_of(JobId job) const;

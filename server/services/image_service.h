@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +19,8 @@ namespace mapweld::server {
 
 struct ImageServiceOptions {
   int max_group = 16;  // images of a batch that are stored in one transaction
+  // Told of each image once it is stored; may be empty. Any thread.
+  std::function<void(const std::string& map, const contract::Upload&)> stored = {};
 };
 
 // Thread-safe. Uploads into one map take turns; different maps do not wait for each other, and analysing images waits
@@ -27,7 +30,7 @@ class ImageService {
   // Everything given must outlive this.
   ImageService(Store& store, MapCache& cache, VocabularyService& vocabularies, WorkerPool& workers,
                ImageDecoder& decoder, Metrics& metrics, const ImageServiceOptions& options = {})
-      : context_{store, cache, vocabularies, workers, decoder, metrics, options.max_group} {}
+      : context_{store, cache, vocabularies, workers, decoder, metrics, options.max_group, options.stored} {}
 
   // Returns when the outcome is durable. The same name with the same bytes gets the first outcome again.
   // Throws ContractError no_such_map, map_is_merged, wrong_map (`map_uuid` is another map's), invalid_name, name_taken,

@@ -274,6 +274,7 @@ void UploadSession::write_all(std::vector<Pending>& group) {
     context_.metrics.stage(Stage::kCommit).record(commit_s);
     auto& upload = std::get<UploadOutcome>(*pending.outcome).upload;
     upload.took_ms = shown_ms(pending.prepared.image.took_s + pending.decided_in_s + commit_s);
+    if (context_.stored) context_.stored(map_.name, upload);
   }
   finish_repeats(group);
 }

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <exception>
+#include <functional>
 #include <future>
 #include <map>
 #include <memory>
@@ -38,6 +39,8 @@ struct UploadContext {
   ImageDecoder& decoder;
   Metrics& metrics;
   int max_group = 16;  // images of a batch that are stored in one transaction
+  // Told of each image once it is stored; may be empty.
+  std::function<void(const std::string& map, const contract::Upload&)> stored = {};
 
   // Images that are not being stored at this time are refused from then on.
   std::atomic<std::chrono::steady_clock::duration> deadline{std::chrono::steady_clock::duration::max()};

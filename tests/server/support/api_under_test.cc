@@ -41,6 +41,7 @@ ApiUnderTest::ApiUnderTest(const server::HttpOptions& options, const ServicesOpt
                                                .localization = services_.localization(),
                                                .quality = services_.quality(),
                                                .merges = services_.merges(),
+                                               .events = services_.events(),
                                                .ready = [this] { return ready; }});
   routes_ = router.routes();
   http_ = std::make_unique<server::HttpServer>(any_port, std::move(router), metrics_, gate);

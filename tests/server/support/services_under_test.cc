@@ -3,6 +3,8 @@
 #include "client/contract/problem.h"
 #include "core/errors.h"
 #include "core/geometry/epipolar_verifier.h"
+#include "server/events/map_events.h"
+#include "server/events/merge_events.h"
 #include "server/services/hashing.h"
 #include "tests/server/support/test_photos.h"
 
@@ -12,9 +14,10 @@ using namespace mapweld::server;
 
 namespace {
 
-MergeJobOptions job_options() {
+MergeJobOptions job_options(MergeListener& listener) {
   MergeJobOptions options;
   options.verifier = make_verifier;
+  options.listener = &listener;
   return options;
 }
 
@@ -26,15 +29,23 @@ struct ServicesUnderTest::Running {
         opener(store, cache),
         workers(options.workers),
         vocabularies(store),
-        jobs(store, job_options()),
+        merge_events(store, events),
+        jobs(store, job_options(merge_events)),
         merges(store, jobs, opener),
         maps(store, opener, vocabularies, [this](std::int64_t merge) { merges.remove(merge); }),
         masks(store, decoder),
-        images(store, cache, vocabularies, workers, decoder, metrics, options.images),
+        images(store, cache, vocabularies, workers, decoder, metrics, telling(options.images)),
         localization(store, opener, vocabularies, workers, decoder, metrics),
         quality(store) {
     if (!vocabularies.set_default_from_store()) vocabularies.add("words", small_vocabulary().serialize());
     jobs.start();
+  }
+
+  ImageServiceOptions telling(ImageServiceOptions options) {
+    options.stored = [this](const std::string& map, const contract::Upload& upload) {
+      tell_image(events, map, upload);
+    };
+    return options;
   }
 
   Metrics metrics;
@@ -43,6 +54,8 @@ struct ServicesUnderTest::Running {
   WorkerPool workers;
   LocalDecoder decoder;
   VocabularyService vocabularies;
+  EventHub events;
+  MergeEvents merge_events;
   MergeJobs jobs;
   MergeService merges;
   MapService maps;
@@ -70,6 +83,7 @@ LocalizeService& ServicesUnderTest::localization() { return running_->localizati
 QualityService& ServicesUnderTest::quality() { return running_->quality; }
 MergeService& ServicesUnderTest::merges() { return running_->merges; }
 MergeJobs& ServicesUnderTest::jobs() { return running_->jobs; }
+EventHub& ServicesUnderTest::events() { return running_->events; }
 MapCache& ServicesUnderTest::cache() { return running_->cache; }
 Metrics& ServicesUnderTest::metrics() { return running_->metrics; }
 

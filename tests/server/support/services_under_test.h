@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "server/events/event_hub.h"
 #include "server/jobs/merge_jobs.h"
 #include "server/maps/map_cache.h"
 #include "server/maps/map_opener.h"
@@ -44,6 +45,7 @@ class ServicesUnderTest {
   server::QualityService& quality();
   server::MergeService& merges();
   server::MergeJobs& jobs();
+  server::EventHub& events();
   server::MapCache& cache();
   server::Metrics& metrics();
 
