@@ -23,6 +23,10 @@ constexpr const char* kAsk =
 constexpr const char* kUnknown =
     "The key is not known here, or it was revoked. \"mapweld-server key list\" shows those in force.";
 
+// What pages of other origins may send, beside what every page may.
+constexpr const char* kRequestHeaders =
+    "Authorization, Content-Type, Idempotency-Key, If-None-Match, Last-Event-ID, X-Request-Id";
+
 class RateLimited final : public ContractError {
  public:
   RateLimited(const Rate& rate, long retry_after_s)
@@ -120,7 +124,7 @@ Reply AccessGate::answer_preflight(const RequestHead& head) const {
   Reply reply;
   reply.status = 204;
   reply.headers = {{"Access-Control-Allow-Methods", head.allow},
-                   {"Access-Control-Allow-Headers", "Authorization, Content-Type, X-Request-Id"},
+                   {"Access-Control-Allow-Headers", kRequestHeaders},
                    {"Access-Control-Max-Age", "600"}};
   return reply;
 }

@@ -9,9 +9,10 @@ namespace mapweld::server {
 using contract::ContractError;
 
 void add_system_routes(Router& router, const Services& services) {
-  router.add({.method = "GET", .pattern = "/healthz", .role = Role::kAnybody, .handler = [](const Request&) {
-                return json_reply(200, contract::Health{.status = "ok"});
-              }});
+  router.add(
+      {.method = "GET", .pattern = "/healthz", .role = Role::kAnybody, .at_once = true, .handler = [](const Request&) {
+         return json_reply(200, contract::Health{.status = "ok"});
+       }});
   router.add({.method = "GET",
               .pattern = "/readyz",
               .role = Role::kAnybody,

@@ -22,7 +22,7 @@ struct RequestHead {
   std::string method;
   std::string path;                               // percent-encoded, without query
   const Route* route = nullptr;                   // null: none matched
-  std::string allow;                              // methods that the path knows, when none matched; may be empty
+  std::string allow;                              // for the Allow field, when none matched; may be empty
   std::map<std::string, std::string> parameters;  // of the route's pattern, decoded
   std::string authorization;
   std::string origin;

@@ -54,6 +54,7 @@ Router::Match Router::match(std::string_view method, std::string_view path) cons
   const std::string_view wanted = method == "HEAD" ? "GET" : method;
   const std::vector<std::string> segments = split(path);
   Match match;
+  std::vector<std::string> allowed;
   for (std::size_t i = 0; i < routes_.size(); ++i) {
     std::map<std::string, std::string> parameters;
     if (!fits(segments_[i], segments, parameters)) continue;
@@ -62,10 +63,12 @@ Router::Match Router::match(std::string_view method, std::string_view path) cons
       match.parameters = std::move(parameters);
       return match;
     }
-    if (match.allow.find(routes_[i].method) == std::string::npos) {
-      match.allow += (match.allow.empty() ? "" : ", ") + routes_[i].method;
-    }
+    if (std::ranges::find(allowed, routes_[i].method) != allowed.end()) continue;
+    allowed.push_back(routes_[i].method);
+    if (routes_[i].method == "GET") allowed.emplace_back("HEAD");
   }
+  if (!allowed.empty()) allowed.emplace_back("OPTIONS");
+  for (const std::string& known : allowed) match.allow += (match.allow.empty() ? "" : ", ") + known;
   return match;
 }
 

@@ -25,6 +25,7 @@ struct Route {
   BodyRule body = BodyRule::kNone;
   bool json_body = false;               // the body is a JSON document: the smaller limit holds
   std::vector<std::string> query = {};  // the query parameters that it knows
+  bool at_once = false;  // the loop's thread calls the handler, which waits for nothing: it needs no other
   Handler handler = {};
 };
 
@@ -36,7 +37,7 @@ class Router {
   struct Match {
     const Route* route = nullptr;                   // null: no route
     std::map<std::string, std::string> parameters;  // decoded
-    std::string allow;                              // methods the path knows; empty: nothing under this path
+    std::string allow;                              // for the Allow field; empty: nothing under this path
   };
   // `path`: percent-encoded, without query. Segments are decoded after the split, so "%2F" does not separate.
   Match match(std::string_view method, std::string_view path) const;

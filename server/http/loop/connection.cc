@@ -111,6 +111,7 @@ awaitable<bool> Connection::serve_request() {
   }
   if (!exchange.reply && exchange.plan.takes_body) co_await read_body(exchange);
   keep_input();
+  if (!exchange.reply && exchange.plan.head.route->at_once) exchange.reply = Dispatcher::answer(exchange.plan);
   if (!exchange.reply && state_.pool.is_full()) {
     exchange.reply = reply_of("busy", "As many requests wait as may. Try again.", exchange.id());
   }
@@ -204,7 +205,10 @@ awaitable<bool> Connection::send(Exchange& exchange) {
   frame.close = frame.close || ends_by_closing(reply, frame);
   exchange.close = frame.close;
   std::string head = reply_head(reply, frame);
-  if (exchange.head.method == "HEAD") co_return co_await write(head);
+  if (exchange.head.method == "HEAD") {
+    if (reply.events) reply.events->end();
+    co_return co_await write(head);
+  }
   if (reply.stream) {
     if (!co_await write(head)) co_return false;
     ++state_.streams;

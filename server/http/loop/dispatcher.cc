@@ -83,6 +83,10 @@ void Dispatcher::consider(const Head& head, Plan& plan) const {
     if (match.allow.empty()) throw ContractError("no_such_path", "There is nothing under " + known.path + ".");
     plan.refusal = problem_reply(contract::problem_of(
         "method_not_allowed", known.path + " answers " + match.allow + " only.", known.request_id));
+    if (known.method == "OPTIONS") {
+      plan.refusal.emplace();
+      plan.refusal->status = 204;
+    }
     plan.refusal->headers.emplace_back("Allow", match.allow);
     return;
   }

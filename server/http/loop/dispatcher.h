@@ -20,7 +20,7 @@ struct Plan {
   RequestHead head;              // for the log; complete as far as it came
   Request request;               // without body
   Admission admission;           // its reply is in `refusal`
-  std::optional<Reply> refusal;  // set: no handler runs
+  std::optional<Reply> refusal;  // set: no handler runs; of OPTIONS, too, which no handler answers
   bool takes_body = false;       // the handler wants the body, and there is one
   std::size_t max_body_bytes = 0;
 };

@@ -10,6 +10,7 @@ namespace mapweld::server {
 namespace {
 
 using mapweld::test::KeysUnderTest;
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Pair;
@@ -115,6 +116,10 @@ TEST_F(AccessGateTest, AnOriginCanBeAllowed) {
   const Admission answered = gate.admit(preflight);  // browsers send no key with it
   EXPECT_EQ(answered.reply.value().status, 204);
   EXPECT_THAT(answered.reply->headers, Contains(Pair("Access-Control-Allow-Methods", "POST, GET")));
+  EXPECT_THAT(
+      answered.reply->headers,
+      Contains(Pair("Access-Control-Allow-Headers",
+                    AllOf(HasSubstr("Idempotency-Key"), HasSubstr("If-None-Match"), HasSubstr("Last-Event-ID")))));
   EXPECT_THAT(answered.headers, Contains(Pair("Access-Control-Allow-Origin", "https://ours.example")));
   RequestHead request = head("POST", change);
   request.origin = "https://ours.example";

@@ -94,7 +94,7 @@ TEST_F(GateTest, IsAskedForPathsAndMethodsThatDoNotExist) {
   ASSERT_EQ(gate.asked.size(), 2u);
   EXPECT_EQ(gate.asked[0].route, nullptr);
   EXPECT_EQ(gate.asked[0].allow, "");
-  EXPECT_EQ(gate.asked[1].allow, "GET");
+  EXPECT_EQ(gate.asked[1].allow, "GET, HEAD, OPTIONS");
 }
 
 TEST_F(GateTest, IsToldOfARequestThatItLetIn) {

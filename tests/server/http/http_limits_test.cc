@@ -190,6 +190,7 @@ TEST_F(HttpLimits, TurnsRequestsAwayWhenTooManyWait) {
   const std::string reply = exchange("GET /hello HTTP/1.1\r\nHost: x\r\n\r\n");
   EXPECT_THAT(reply, StartsWith("HTTP/1.1 503 "));
   EXPECT_EQ(code(reply), "busy");
+  EXPECT_THAT(exchange("GET /at-once HTTP/1.1\r\nHost: x\r\n\r\n"), HasSubstr("at once"));  // takes no thread
   EXPECT_THAT(working.receive(), HasSubstr("slow"));
   EXPECT_THAT(waiting.receive(), HasSubstr("hello"));
 }

@@ -12,6 +12,7 @@
 namespace mapweld::server {
 namespace {
 
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -59,7 +60,7 @@ TEST_F(HttpServerTest, UnknownPathsAndMethodsAreProblems) {
   EXPECT_EQ(problem.value("status", 0), 404);
   const auto wrong = http.Delete("/hello");
   EXPECT_EQ(wrong->status, 405);
-  EXPECT_EQ(wrong->get_header_value("Allow"), "GET");
+  EXPECT_EQ(wrong->get_header_value("Allow"), "GET, HEAD, OPTIONS");
   EXPECT_EQ(contract::parse_json(wrong->body).value("code", ""), "method_not_allowed");
 }
 
@@ -78,13 +79,44 @@ TEST_F(HttpServerTest, AnExceptionTellsTheClientNothingOfTheInside) {
   EXPECT_EQ(reply->body.find("secret"), std::string::npos);
 }
 
-TEST_F(HttpServerTest, HeadHasNoBody) {
+// The head of a GET's answer, but for its request id.
+std::string head_of(std::string reply) {
+  reply.resize(reply.find("\r\n\r\n") + 4);
+  const std::size_t id = reply.find("X-Request-Id");
+  return reply.erase(id, reply.find("\r\n", id) + 2 - id);
+}
+
+TEST_F(HttpServerTest, HeadHasTheHeadOfGetAndNoBody) {
+  start();
+  for (const std::string path : {"/hello", "/stream", "/fail", "/nothing", "/query?b=1"}) {
+    const std::string rest = " " + path + " HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n";
+    RawClient raw(port_);
+    raw.send("HEAD" + rest);
+    std::string reply = raw.receive_some();
+    EXPECT_THAT(reply, EndsWith("\r\n\r\n")) << path;
+    EXPECT_EQ(head_of(reply), head_of(exchange("GET" + rest))) << path;
+    EXPECT_TRUE(raw.closed_within(10)) << path;
+  }
+  EXPECT_THAT(exchange("HEAD /hello HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n"),
+              HasSubstr("Content-Length: 5\r\n"));
+}
+
+TEST_F(HttpServerTest, HeadOfAnEventStreamListensToNothing) {
   start();
   RawClient raw(port_);
-  raw.send("HEAD /hello HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
-  std::string head = raw.receive();
-  EXPECT_THAT(head, StartsWith("HTTP/1.1 200 OK"));
-  EXPECT_TRUE(raw.closed_within(10));
+  raw.send("HEAD /events HTTP/1.1\r\nHost: x\r\n\r\nGET /hello HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_THAT(raw.receive(), HasSubstr("Content-Type: text/event-stream"));
+  EXPECT_THAT(raw.receive(), HasSubstr("hello"));
+  EXPECT_FALSE(events_->push("nobody hears this"));
+}
+
+TEST_F(HttpServerTest, OptionsSayWhatAPathAnswers) {
+  start();
+  const std::string reply = exchange("OPTIONS /echo HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_THAT(reply, StartsWith("HTTP/1.1 204 "));
+  EXPECT_THAT(reply, HasSubstr("Allow: POST, OPTIONS\r\n"));
+  EXPECT_THAT(reply, ::testing::Not(HasSubstr("Content-Length")));
+  EXPECT_THAT(exchange("OPTIONS /nothing HTTP/1.1\r\nHost: x\r\n\r\n"), StartsWith("HTTP/1.1 404 "));
 }
 
 TEST_F(HttpServerTest, StreamsWholeBodies) {
@@ -92,7 +124,7 @@ TEST_F(HttpServerTest, StreamsWholeBodies) {
   const auto reply = client().Get("/stream");
   ASSERT_TRUE(reply);
   EXPECT_EQ(std::count(reply->body.begin(), reply->body.end(), '\n'), 50'000);
-  EXPECT_THAT(reply->body, ::testing::EndsWith("line 49999\n"));
+  EXPECT_THAT(reply->body, EndsWith("line 49999\n"));
 }
 
 TEST_F(HttpServerTest, AStreamThatFailsIsNotTakenForWhole) {

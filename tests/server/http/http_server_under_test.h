@@ -29,6 +29,9 @@ class HttpServerTest : public ::testing::Test {
     options.allowed_hosts.insert(options.allowed_hosts.end(), {"x", "maps.example"});
     Router router;
     router.add({.method = "GET", .pattern = "/hello", .handler = [](const Request&) { return text("hello"); }});
+    router.add({.method = "GET", .pattern = "/at-once", .at_once = true, .handler = [](const Request&) {
+                  return text("at once");
+                }});
     router.add({.method = "GET", .pattern = "/query", .query = {"a"}, .handler = [](const Request& request) {
                   return text(request.query.text("a").value_or("-"));
                 }});

@@ -45,7 +45,7 @@ TEST(Router, TellsUnknownPathsFromUnknownMethods) {
   EXPECT_EQ(router.match("GET", "/v1/maps/").allow, "");
   EXPECT_EQ(router.match("GET", "/v1/maps/a/b").allow, "");
   EXPECT_EQ(router.match("GET", "/v1/maps/%zz").allow, "");
-  EXPECT_EQ(router.match("DELETE", "/v1/maps").allow, "GET, POST");
+  EXPECT_EQ(router.match("DELETE", "/v1/maps").allow, "GET, HEAD, POST, OPTIONS");
   EXPECT_EQ(router.match("DELETE", "/v1/maps").route, nullptr);
 }
 
