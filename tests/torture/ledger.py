@@ -1,0 +1,190 @@
+"""What clients were answered about a map, and what a server has of it: nothing that was answered may be missing, and
+nothing may be there that was not sent, or that was answered with an error."""
+
+import hashlib
+import random
+import struct
+import uuid
+import zlib
+
+
+def sha256(content):
+    return hashlib.sha256(content).hexdigest()
+
+
+def with_comment(jpeg, comment):
+    """The same picture in other bytes."""
+    text = comment.encode()
+    return jpeg[:2] + b"\xff\xfe" + struct.pack(">H", len(text) + 2) + text + jpeg[2:]
+
+
+def mask_png(width_px, height_px, black_rows):
+    """A PNG, white but for its first rows."""
+    def chunk(kind, content):
+        return struct.pack(">I", len(content)) + kind + content + struct.pack(">I", zlib.crc32(kind + content))
+
+    rows = b"".join(b"\0" + (b"\0" if y < black_rows else b"\xff") * width_px for y in range(height_px))
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width_px, height_px, 8, 0, 0, 0, 0)) +
+            chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def multipart(parts):
+    """(body, content type) of a batch of (name, bytes)."""
+    boundary = "torture" + "%016x" % random.getrandbits(64)
+    body = b""
+    for name, content in parts:
+        body += (f'--{boundary}\r\nContent-Disposition: form-data; name="i"; filename="{name}"\r\n\r\n').encode()
+        body += content + b"\r\n"
+    return body + f"--{boundary}--\r\n".encode(), f"multipart/form-data; boundary={boundary}"
+
+
+UNKNOWN = object()
+
+
+class MapLedger:
+    """One map by its name. One client at a time writes it, so that the order of its requests is known; a request that
+    got no answer leaves what it would change UNKNOWN until `agree` has looked."""
+
+    def __init__(self, name):
+        self.name = name
+        self.path = f"/v1/maps/{name}"
+        self.violations = []
+        self.forget()
+        self.exists = False
+
+    def forget(self):
+        self.uuid = None
+        self.images = {}  # name: (bytes, vertex or None when it is ignored)
+        self.perhaps = {}  # name: bytes, of uploads without an answer
+        self.mask = None  # bytes, None, or UNKNOWN and then possible_masks
+        self.possible_masks = []
+        self.looked_at = set()  # names whose bytes have been compared since they were answered
+
+    def say(self, what):
+        self.violations.append(f"{self.name}: {what}")
+
+    # Each of these sends one request, remembers what the answer promises, and lets NoAnswer pass.
+
+    def create(self, server):
+        self.forget()
+        self.uuid = str(uuid.uuid4())
+        self.exists = UNKNOWN
+        status, reply = server.request("POST", "/v1/maps", {"name": self.name, "uuid": self.uuid})
+        self.exists = status == 201
+        return status, reply
+
+    def delete(self, server):
+        before = self.exists
+        self.exists = UNKNOWN
+        status, reply = server.request("DELETE", self.path)
+        self.exists = False if status == 204 else before
+        return status, reply
+
+    def upload(self, server, name, content):
+        self.perhaps[name] = content
+        status, reply = server.request("POST", f"{self.path}/images?name={name}&map_uuid={self.uuid}", content,
+                                       "image/jpeg")
+        del self.perhaps[name]
+        if status in (200, 201):
+            self.answered(name, content, reply)
+        return status, reply
+
+    def upload_batch(self, server, parts):
+        """`parts`: (name, bytes) each. The status of each part, or the one of all of them."""
+        self.perhaps.update(parts)
+        status, reply = server.request("POST", f"{self.path}/images/batch?map_uuid={self.uuid}", *multipart(parts))
+        for name, _ in parts:
+            del self.perhaps[name]
+        if status != 200:
+            return [status]
+        for (name, content), item in zip(parts, reply["items"], strict=True):
+            if "outcome" in item:
+                self.answered(name, content, item)
+        return [200 if "outcome" in item else item["status"] for item in reply["items"]]
+
+    def answered(self, name, content, outcome):
+        if outcome["name"] != name:
+            self.say(f"{name} is answered as {outcome['name']}")
+        vertex = outcome["vertex"] if outcome["outcome"] == "inserted" else None
+        known = self.images.get(name)
+        if known is not None and known != (content, vertex):
+            self.say(f"{name} was vertex {known[1]} and is {vertex} when it is sent again")
+        self.images[name] = (content, vertex)
+
+    def put_mask(self, server, content):
+        return self.change_mask(content, *self.masking("PUT", server, content))
+
+    def delete_mask(self, server):
+        return self.change_mask(None, *self.masking("DELETE", server, None))
+
+    def masking(self, method, server, content):
+        before = self.possible_masks if self.mask is UNKNOWN else [self.mask]
+        self.possible_masks = [*before, content]
+        self.mask = UNKNOWN
+        return (before, *server.request(method, f"{self.path}/mask", content, "image/png" if content else None))
+
+    def change_mask(self, content, before, status, reply):
+        if status == 204:
+            self.mask = content
+        elif len(before) == 1:
+            self.mask = before[0]
+        else:
+            self.possible_masks = before
+        return status, reply
+
+    def agree(self, server, rng, samples=4):
+        """Compares all that `server` has of the map with what was answered, the bytes of images that were not looked at
+        before and of some others; then knows what was unknown. Adds to `violations`."""
+        status, found = server.request("GET", self.path)
+        if status == 404:
+            if self.exists is True:
+                self.say(f"is lost, with {len(self.images)} images")
+            self.exists = False
+            return
+        if status != 200:
+            self.say(f"GET answers {status} {found}")
+            return
+        if self.exists is False:
+            self.say("is there although it was deleted, or never made")
+        self.exists = True
+        if found["uuid"] != self.uuid:
+            self.say(f"has uuid {found['uuid']} instead of {self.uuid}")
+            return
+        self.agree_on_images(server, rng, samples, found)
+        self.agree_on_mask(server)
+
+    def agree_on_images(self, server, rng, samples, found):
+        listed = {item["name"]: (item["sha256"], item["vertex"]) for item in server.items(f"{self.path}/vertices")}
+        vertices = len(listed)
+        ignored = {item["name"]: (item["sha256"], None) for item in server.items(f"{self.path}/ignored")}
+        if listed.keys() & ignored.keys():
+            self.say(f"has {sorted(listed.keys() & ignored.keys())} twice")
+        listed.update(ignored)
+        if (found["vertices"], found["ignored"]) != (vertices, len(ignored)):
+            self.say(f"counts {found['vertices']} and {found['ignored']} images, lists {vertices} and {len(ignored)}")
+        for name, (content, vertex) in self.images.items():
+            if name not in listed:
+                self.say(f"image {name}, vertex {vertex}, is lost")
+            elif listed[name] != (sha256(content), vertex):
+                self.say(f"image {name}, vertex {vertex}, is {listed[name]}")
+        for name in listed.keys() - self.images.keys():
+            if name not in self.perhaps or listed[name][0] != sha256(self.perhaps[name]):
+                self.say(f"image {name} is there, which was never sent, or answered with an error")
+            else:
+                self.images[name] = (self.perhaps[name], listed[name][1])
+        self.perhaps = {}
+        inserted = [name for name, (_, vertex) in self.images.items() if vertex is not None and name in listed]
+        new = [name for name in inserted if name not in self.looked_at]
+        for name in new + rng.sample(inserted, min(samples, len(inserted))):
+            content, vertex = self.images[name]
+            if server.request("GET", f"{self.path}/vertices/{vertex}/image") != (200, content):
+                self.say(f"the bytes of image {name} are not those that were sent")
+            self.looked_at.add(name)
+
+    def agree_on_mask(self, server):
+        status, content = server.request("GET", f"{self.path}/mask")
+        there = content if status == 200 else None
+        possible = self.possible_masks if self.mask is UNKNOWN else [self.mask]
+        if status not in (200, 404) or there not in possible:
+            self.say(f"the mask is another ({status})")
+        self.mask = there
