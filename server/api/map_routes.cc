@@ -1,6 +1,7 @@
 #include "client/contract/map.h"
 #include "server/api/api.h"
 #include "server/api/replies.h"
+#include "server/api/revision_tags.h"
 #include "server/events/map_events.h"
 #include "server/services/graph_export.h"
 #include "server/services/pair_service.h"
@@ -40,6 +41,7 @@ Reply stream_graph(Store& store, const Request& request) {
 
 void add_map_routes(Router& router, const Services& services) {
   MapService& maps = services.maps;
+  const RevisionTags tagged(services.store);
   EventHub& events = services.events;
   router.add({.method = "POST",
               .pattern = "/v1/maps",
@@ -63,10 +65,11 @@ void add_map_routes(Router& router, const Services& services) {
               .handler = [&maps](const Request& request) {
                 return json_reply(200, maps.list(page_of(request), request.caller.get()));
               }});
-  router.add(
-      {.method = "GET", .pattern = "/v1/maps/{map}", .role = Role::kRead, .handler = [&maps](const Request& request) {
-         return json_reply(200, maps.get(request.parameter("map")));
-       }});
+  router.add({.method = "GET",
+              .pattern = "/v1/maps/{map}",
+              .role = Role::kRead,
+              .handler = tagged(
+                  [&maps](const Request& request) { return json_reply(200, maps.get(request.parameter("map"))); })});
   router.add({.method = "DELETE",
               .pattern = "/v1/maps/{map}",
               .role = Role::kWrite,
@@ -80,34 +83,35 @@ void add_map_routes(Router& router, const Services& services) {
               .pattern = "/v1/maps/{map}/vertices",
               .role = Role::kRead,
               .query = list_query({"name"}),
-              .handler = [&maps](const Request& request) {
+              .handler = tagged([&maps](const Request& request) {
                 return json_reply(
                     200, maps.vertices(request.parameter("map"), request.query.text("name"), page_of(request)));
-              }});
+              })});
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/vertices/{vertex}",
               .role = Role::kRead,
-              .handler = [&maps](const Request& request) {
+              .handler = tagged([&maps](const Request& request) {
                 const auto vertex = number_in_path<std::uint32_t>(request, "vertex", "no_such_vertex");
                 return json_reply(200, maps.vertex(request.parameter("map"), vertex));
-              }});
+              })});
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/edges",
               .role = Role::kRead,
               .query = list_query({"min_inliers", "kind", "confirmed"}),
-              .handler = [&maps](const Request& request) {
+              .handler = tagged([&maps](const Request& request) {
                 MapService::EdgeQuery query;
                 query.min_inliers =
                     static_cast<std::uint32_t>(request.query.integer("min_inliers", 0, 65535).value_or(0));
                 query.inter = inter_in_query(request);
                 query.confirmed = request.query.boolean("confirmed");
                 return json_reply(200, maps.edges(request.parameter("map"), query, page_of(request)));
-              }});
-  router.add({.method = "GET",
-              .pattern = "/v1/maps/{map}/graph",
-              .role = Role::kRead,
-              .query = {"format"},
-              .handler = [&store = services.store](const Request& request) { return stream_graph(store, request); }});
+              })});
+  router.add(
+      {.method = "GET",
+       .pattern = "/v1/maps/{map}/graph",
+       .role = Role::kRead,
+       .query = {"format"},
+       .handler = tagged([&store = services.store](const Request& request) { return stream_graph(store, request); })});
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/pairs/{u}/{v}",
               .role = Role::kRead,
@@ -120,18 +124,18 @@ void add_map_routes(Router& router, const Services& services) {
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/quality",
               .role = Role::kRead,
-              .handler = [&quality = services.quality](const Request& request) {
+              .handler = tagged([&quality = services.quality](const Request& request) {
                 return json_reply(200, quality.quality(request.parameter("map")));
-              }});
+              })});
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/route",
               .role = Role::kRead,
               .query = {"from", "to"},
-              .handler = [&store = services.store](const Request& request) {
+              .handler = tagged([&store = services.store](const Request& request) {
                 const std::uint32_t from = vertex_in_query(request, "from");
                 const std::uint32_t to = vertex_in_query(request, "to");
                 return json_reply(200, find_route(store, request.parameter("map"), from, to));
-              }});
+              })});
 }
 
 }  // namespace mapweld::server

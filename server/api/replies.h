@@ -14,6 +14,7 @@
 #include "client/contract/problem.h"
 #include "client/contract/text.h"
 #include "server/http/message.h"
+#include "server/services/hashing.h"
 #include "server/services/map_service.h"
 
 namespace mapweld::server {
@@ -33,12 +34,19 @@ inline Reply no_content() {
   return reply;
 }
 
+// For answers that are cheap to make and hardly ever change.
+inline Reply tagged_by_content(Reply reply) {
+  reply.etag =
+      "W/\"" + to_hex(sha256({reinterpret_cast<const std::uint8_t*>(reply.body.data()), reply.body.size()})) + "\"";
+  return reply;
+}
+
 // The bytes as they are stored, with their hash as ETag.
 inline Reply image_reply(StoredImage image) {
   Reply reply;
   reply.content_type = std::move(image.media_type);
   reply.body = std::move(image.bytes);
-  reply.headers.emplace_back("ETag", "\"" + image.sha256 + "\"");
+  reply.etag = "\"" + image.sha256 + "\"";
   return reply;
 }
 

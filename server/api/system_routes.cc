@@ -39,7 +39,7 @@ void add_system_routes(Router& router, const Services& services) {
                 Reply reply;
                 reply.content_type = "application/json";
                 reply.body = openapi_document();
-                return reply;
+                return tagged_by_content(std::move(reply));
               }});
   for (const auto& [method, pattern] :
        {std::pair{"POST", "/v1/backups"}, std::pair{"GET", "/v1/backups/{backup}/content"}}) {

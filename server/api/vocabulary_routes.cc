@@ -13,13 +13,13 @@ void add_vocabulary_routes(Router& router, const Services& services) {
               .query = list_query(),
               .handler = [&vocabularies](const Request& request) {
                 const PageRequest page = page_of(request);
-                return json_reply(200, vocabularies.list(page.limit, page.cursor));
+                return tagged_by_content(json_reply(200, vocabularies.list(page.limit, page.cursor)));
               }});
   router.add({.method = "GET",
               .pattern = "/v1/vocabularies/{vocabulary}",
               .role = Role::kRead,
               .handler = [&vocabularies](const Request& request) {
-                return json_reply(200, vocabularies.get(request.parameter("vocabulary")));
+                return tagged_by_content(json_reply(200, vocabularies.get(request.parameter("vocabulary"))));
               }});
   router.add({.method = "POST",
               .pattern = "/v1/vocabularies",

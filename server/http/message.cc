@@ -4,6 +4,7 @@
 #include <charconv>
 
 #include "client/contract/problem.h"
+#include "server/http/wire/entity_tag.h"
 
 namespace mapweld::server {
 
@@ -42,6 +43,10 @@ void Query::refuse_unknown(std::span<const std::string> known) const {
       throw ContractError("unknown_field", "There is no query parameter \"" + name + "\" here.");
     }
   }
+}
+
+bool Request::knows(const std::string& etag) const {
+  return (method == "GET" || method == "HEAD") && names_entity_tag(if_none_match, etag);
 }
 
 }  // namespace mapweld::server

@@ -44,10 +44,14 @@ struct Request {
   Query query;
   std::string content_type;   // as sent, with its parameters; empty when absent
   std::string last_event_id;  // as sent; empty when absent
+  std::string if_none_match;  // as sent; empty when absent
+  bool accepts_gzip = false;
   std::string body;
   std::string request_id;
   std::shared_ptr<const Caller> caller;  // null: everything may be used
 
+  // The client has the answer with this ETag: one that has nothing but the ETag is enough.
+  bool knows(const std::string& etag) const;
   // A parameter of the path pattern. Throws std::out_of_range when the route has none of that name.
   const std::string& parameter(const std::string& name) const { return parameters.at(name); }
   std::span<const std::uint8_t> body_bytes() const {
@@ -63,6 +67,9 @@ struct Reply {
   std::string content_type;
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers;
+  // What stands for the body, quoted (RFC 9110, section 8.8.3); empty: nothing. Sent with it, and in place of it, as a
+  // 304, to a client that has it.
+  std::string etag;
   std::string subject;  // what was changed, where the path does not say: for the log, never sent
   // When set, the body is streamed instead (chunked): called by any thread, after the handler has returned, and again
   // when the client has taken the last piece, so that one who reads slowly holds a piece and no thread. An exception in

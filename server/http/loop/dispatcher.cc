@@ -7,6 +7,7 @@
 
 #include "client/contract/problem.h"
 #include "server/http/problem.h"
+#include "server/http/wire/compression.h"
 #include "server/http/wire/text.h"
 
 namespace mapweld::server {
@@ -22,6 +23,23 @@ bool is_request_id(std::string_view id) {
 
 Reply problem_of_current(const std::string& request_id) {
   return problem_reply(problem_of(std::current_exception(), request_id));
+}
+
+// Sends no more than the client asks for: nothing of what it has, gzip where it takes that.
+void negotiate(const Request& request, Reply& reply) {
+  const bool compressible = is_compressible(reply.content_type);
+  if (compressible) reply.headers.emplace_back("Vary", "Accept-Encoding");
+  if (!reply.etag.empty() && request.knows(reply.etag)) {
+    reply.status = 304;
+    reply.content_type.clear();
+    reply.body.clear();
+    reply.stream = {};
+  } else if (compressible && request.accepts_gzip) {
+    compress(reply);
+  }
+  if (reply.etag.empty()) return;
+  reply.headers.emplace_back("ETag", reply.etag);
+  reply.headers.emplace_back("Cache-Control", "private, no-cache");  // kept, and asked about each time
 }
 
 }  // namespace
@@ -56,7 +74,9 @@ Plan Dispatcher::plan(const Head& head, const std::string& request_id, const std
 
 Reply Dispatcher::answer(const Plan& plan) {
   try {
-    return plan.head.route->handler(plan.request);
+    Reply reply = plan.head.route->handler(plan.request);
+    negotiate(plan.request, reply);
+    return reply;
   } catch (...) {
     return problem_of_current(plan.head.request_id);
   }
@@ -99,6 +119,8 @@ void Dispatcher::consider(const Head& head, Plan& plan) const {
   request.query.refuse_unknown(match.route->query);
   request.content_type = known.content_type;
   request.last_event_id = head.field("last-event-id");
+  request.if_none_match = head.field("if-none-match");
+  request.accepts_gzip = accepts_gzip(head.field("accept-encoding"));
   request.request_id = known.request_id;
   request.caller = plan.admission.caller;
   consider_body(head, plan);

@@ -29,7 +29,8 @@ std::string reply_head(const Reply& reply, const ReplyFrame& frame) {
   add_field(head, "X-Request-Id", frame.request_id);
   if (!reply.content_type.empty()) add_field(head, "Content-Type", reply.content_type);
   if (!has_no_length(reply)) {
-    if (reply.status != 204) add_field(head, "Content-Length", std::to_string(reply.body.size()));
+    if (reply.status != 204 && reply.status != 304)
+      add_field(head, "Content-Length", std::to_string(reply.body.size()));
   } else if (!frame.http_1_0) {
     add_field(head, "Transfer-Encoding", "chunked");
   }

@@ -143,12 +143,6 @@ TEST_F(HttpServerTest, RangesAreIgnored) {
   EXPECT_THAT(reply, HasSubstr("\r\n\r\nhello"));
 }
 
-TEST_F(HttpServerTest, RepliesAreNotCompressed) {
-  start();
-  const std::string reply = exchange("GET /hello HTTP/1.1\r\nHost: x\r\nAccept-Encoding: gzip, br\r\n\r\n");
-  EXPECT_EQ(reply.find("Content-Encoding"), std::string::npos);
-}
-
 TEST_F(HttpServerTest, ATakenPortIsSaid) {
   start();
   HttpOptions options;

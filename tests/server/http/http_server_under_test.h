@@ -32,6 +32,17 @@ class HttpServerTest : public ::testing::Test {
     router.add({.method = "GET", .pattern = "/at-once", .at_once = true, .handler = [](const Request&) {
                   return text("at once");
                 }});
+    router.add({.method = "GET", .pattern = "/long", .handler = [](const Request&) {
+                  Reply reply = text(std::string(100'000, 'x'));
+                  reply.etag = "\"long\"";
+                  return reply;
+                }});
+    router.add({.method = "GET", .pattern = "/picture", .handler = [](const Request&) {
+                  Reply reply = text(std::string(2000, 'x'));
+                  reply.content_type = "image/png";
+                  reply.etag = "\"tag\"";
+                  return reply;
+                }});
     router.add({.method = "GET", .pattern = "/query", .query = {"a"}, .handler = [](const Request& request) {
                   return text(request.query.text("a").value_or("-"));
                 }});

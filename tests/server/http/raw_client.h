@@ -71,6 +71,7 @@ class RawClient {
     std::string rest;
     while (std::chrono::steady_clock::now() < deadline) {
       pollfd fd{socket_, POLLIN, 0};
+      rest.clear();
       if (::poll(&fd, 1, 50) > 0 && !more(rest)) return true;
     }
     return false;
