@@ -8,6 +8,8 @@
 #include <sqlite3.h>
 #include <unistd.h>
 
+#include "schema/checksum_function.h"
+
 namespace mapweld::sqlite {
 namespace {
 
@@ -189,6 +191,7 @@ Connection::Connection(const std::filesystem::path& file, OpenMode mode) {
         "PRAGMA foreign_keys = ON; PRAGMA synchronous = FULL; PRAGMA wal_autocheckpoint = 0;"
         "PRAGMA temp_store = MEMORY; PRAGMA cell_size_check = ON; PRAGMA secure_delete = FAST;");
     if (mode == OpenMode::kReadOnly) execute("PRAGMA query_only = ON");
+    register_checksum_functions(handle_);
   } catch (...) {
     sqlite3_close_v2(handle_);
     throw;

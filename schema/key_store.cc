@@ -4,12 +4,12 @@
 
 #include "schema/data_folder.h"
 #include "schema/migrations.h"
+#include "schema/row_checksums.h"
 #include "schema/rows.h"
 
 namespace mapweld {
 namespace {
 
-// "IF NOT EXISTS": a server and a command may make the file at the same moment.
 constexpr std::array kVersions = {Migration{.version = 1, .name = "keys_1", .sql = R"sql(
 CREATE TABLE IF NOT EXISTS keys (
   name TEXT NOT NULL,
@@ -20,11 +20,21 @@ CREATE TABLE IF NOT EXISTS keys (
   revoked_at_us INTEGER
 ) STRICT;
 CREATE UNIQUE INDEX IF NOT EXISTS keys_in_force ON keys (name) WHERE revoked_at_us IS NULL;
+)sql"},
+                                  Migration{.version = 2, .name = "keys_2", .sql = R"sql(
+ALTER TABLE keys ADD COLUMN checksum INTEGER NOT NULL DEFAULT 0x7FFFFFFFFFFFFFFF;
 )sql"}};
+
+constexpr const char* kFile = "keys.db";
+
+StoreError foreign(const std::filesystem::path& file) {
+  return StoreError(StoreErrorKind::kForeignDatabase,
+                    file.string() + " is the database of another application, not Mapweld's");
+}
 
 std::filesystem::path file_in(const std::filesystem::path& data_folder) {
   make_data_folder(data_folder);
-  return data_folder / "keys.db";
+  return data_folder / kFile;
 }
 
 }  // namespace
@@ -34,14 +44,14 @@ KeyStore::KeyStore(const std::filesystem::path& data_folder, int busy_timeout_ms
   const std::int64_t application = connection_.query_integer("PRAGMA application_id");
   if (application != kKeysApplicationId) {
     if (application != 0 || connection_.query_integer("SELECT count(*) FROM sqlite_schema") != 0) {
-      throw StoreError(StoreErrorKind::kForeignDatabase,
-                       (data_folder / "keys.db").string() + " is the database of another application, not Mapweld's");
+      throw foreign(data_folder / kFile);
     }
     connection_.execute("PRAGMA application_id = " + std::to_string(kKeysApplicationId));
   }
   // The folder's entry of the journal is synced too: a key that was said to be revoked stays so.
   connection_.execute("PRAGMA synchronous = EXTRA");
   migrate(connection_, kVersions);
+  keep_row_checksums(connection_);
   connection_.set_busy_timeout_ms(busy_timeout_ms);
 }
 
@@ -86,5 +96,29 @@ std::vector<KeyRow> KeyStore::list() {
 }
 
 std::int64_t KeyStore::version() { return connection_.query_integer("PRAGMA data_version"); }
+
+void check_keys(const std::filesystem::path& data_folder, const TellFinding& found) {
+  const std::filesystem::path file = data_folder / kFile;
+  if (!std::filesystem::exists(file)) return;
+  std::optional<std::string> damage;
+  try {
+    // Not read-only: what a command that was killed has left half done is undone first, as by everybody who looks.
+    sqlite::Connection connection(file, sqlite::OpenMode::kReadWrite);
+    const sqlite::Transaction state(connection, sqlite::Transaction::Kind::kRead);
+    if (connection.query_integer("PRAGMA application_id") != kKeysApplicationId) throw foreign(file);
+    const std::int64_t version = connection.query_integer("PRAGMA user_version");
+    if (version != kVersions.back().version) {
+      throw StoreError(StoreErrorKind::kOlderVersion, "it has schema version " + std::to_string(version) +
+                                                          ", this program " + std::to_string(kVersions.back().version) +
+                                                          ": start the server once to bring it up to date");
+    }
+    check_integrity(connection, kFile, found);
+    check_schema(connection, kVersions, kFile, found);
+    check_rows(connection, found);
+  } catch (const StoreError& error) {
+    damage = error.what();
+  }
+  if (damage) found({kFile, *damage});
+}
 
 }  // namespace mapweld

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "schema/database.h"
+#include "schema/file_check.h"
 #include "schema/store_types.h"
 
 namespace mapweld {
@@ -47,5 +48,9 @@ class KeyStore {
  private:
   sqlite::Connection connection_;
 };
+
+// Looks whether the keys of a data folder are whole, also beside whoever uses them; nothing when there are none. Damage
+// is a finding, never an exception, and so is another version than this program's.
+void check_keys(const std::filesystem::path& data_folder, const TellFinding& found);
 
 }  // namespace mapweld

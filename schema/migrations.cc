@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "schema/row_checksums.h"
+
 namespace mapweld {
 
 int schema_version() { return migrations().back().version; }
@@ -20,7 +22,11 @@ int migrate(sqlite::Connection& connection, std::span<const Migration> steps) {
   for (const Migration& step : steps) {
     if (step.version <= found) continue;
     sqlite::Transaction transaction(connection, sqlite::Transaction::Kind::kWrite);
+    // Another process may have taken it while this one waited for its turn.
+    if (connection.query_integer("PRAGMA user_version") >= step.version) continue;
+    RowChecksumMigration checksums(connection);
     connection.execute(std::string(step.sql));
+    checksums.follow();
     if (connection.prepare("PRAGMA foreign_key_check").step()) {
       throw StoreError(StoreErrorKind::kCorrupt,
                        "migration " + std::string(step.name) + " leaves a dangling reference");

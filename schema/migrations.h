@@ -22,8 +22,9 @@ std::span<const Migration> migrations();
 int schema_version();
 
 // Brings a database from its user_version up to the last of `steps`, each version in one transaction that also checks
-// foreign keys: a version is there whole or not at all. Throws kNewerVersion, and changes nothing, for a database
-// beyond the last step; kCorrupt when a step leaves a dangling reference. Returns the version found.
+// foreign keys and keeps the rows' checksums (row_checksums.h): a version is there whole or not at all. Throws
+// kNewerVersion, and changes nothing, for a database beyond the last step; kCorrupt when a step leaves a dangling
+// reference. Returns the version found.
 int migrate(sqlite::Connection& connection, std::span<const Migration> steps);
 
 }  // namespace mapweld

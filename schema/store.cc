@@ -6,6 +6,8 @@
 #include <sqlite3.h>
 #include <sys/stat.h>
 
+#include "schema/row_checksums.h"
+
 namespace mapweld {
 
 using sqlite::Connection;
@@ -73,6 +75,7 @@ Store::Store(const std::filesystem::path& file, const StoreOptions& options)
   if (mode != "wal") throw StoreError(StoreErrorKind::kIo, file_.string() + " cannot be kept in WAL mode here");
   // Once the WAL is moved, its file shrinks to this size again.
   writer_->execute("PRAGMA journal_size_limit = " + std::to_string(std::uint64_t{options_.restart_pages} * 4096));
+  keep_row_checksums(*writer_);
   reserve_.restore();
   sqlite3_wal_hook(
       writer_->handle(),

@@ -13,6 +13,7 @@
 #include "schema/map_layout.h"
 #include "schema/merge_state_check.h"
 #include "schema/merge_store.h"
+#include "schema/migrations.h"
 #include "schema/rows.h"
 #include "schema/segment_postings.h"
 #include "schema/vertex_store.h"
@@ -41,7 +42,12 @@ class Checker {
 
   StoreCheckReport run() {
     try {
-      part("database file", [this] { check_file(); });
+      part("database file", [this] {
+        check_integrity(db_.connection(), "database file", tell_);
+        check_schema(db_.connection(), migrations(), "database file", tell_);
+        check_numbers(db_.connection(), tell_);
+      });
+      part("rows", [this] { check_rows(db_.connection(), tell_); });
       part("vocabularies", [this] { check_vocabularies(); });
       part("maps", [this] { check_maps(); });
       part("images", [this] {
@@ -74,7 +80,8 @@ class Checker {
     try {
       check();
     } catch (const StoreError& error) {
-      if (error.kind() == StoreErrorKind::kInternal) throw;  // a defect of the program, not damage
+      // A defect of the program; or of tables and values that are damaged.
+      if (error.kind() == StoreErrorKind::kInternal && report_.findings.empty()) throw;
       what = error.what();
     } catch (const std::exception& error) {
       what = error.what();
@@ -92,18 +99,6 @@ class Checker {
   void findings_of(std::string_view sql) {
     sqlite::Statement row = db_.prepare(sql);
     while (row.step()) found(std::string(row.text(0)), std::string(row.text(1)));
-  }
-
-  void check_file() {
-    sqlite::Statement integrity = db_.prepare("PRAGMA integrity_check");
-    while (integrity.step()) {
-      if (integrity.text(0) != "ok") found("database file", std::string(integrity.text(0)));
-    }
-    sqlite::Statement keys = db_.prepare("PRAGMA foreign_key_check");
-    while (keys.step()) {
-      found(std::string(keys.text(0)) + ": row " + std::string(keys.text(1)),
-            "it refers to a row of " + std::string(keys.text(2)) + " that does not exist");
-    }
   }
 
   void check_vocabularies() {
@@ -321,6 +316,7 @@ class Checker {
 
   const Reader& db_;
   const StoreCheckOptions& options_;
+  const TellFinding tell_ = [this](Finding finding) { found(std::move(finding.where), std::move(finding.what)); };
   StoreCheckReport report_;
 };
 

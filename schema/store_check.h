@@ -7,16 +7,11 @@
 #include <string_view>
 #include <vector>
 
+#include "schema/file_check.h"
 #include "schema/store.h"
 #include "schema/store_types.h"
 
 namespace mapweld {
-
-struct Finding {
-  std::string where;  // table and key: "appearances: map 3, vertex 17"
-  std::string what;   // what is wrong
-  friend bool operator==(const Finding&, const Finding&) = default;
-};
 
 // Where a finding about a merge's state is: "checkpoints: merge 3".
 std::string where_of_checkpoint(JobId job);
@@ -36,10 +31,10 @@ struct StoreCheckReport {
   std::uint64_t checkpoints = 0;  // parts
 };
 
-// Looks at one state of the database: SQLite's own integrity and foreign keys; checksums of all blobs, SHA-256 of
-// vocabularies and images; numbers without gaps, counters, edge ends and member spans; that the segments hold exactly
-// the postings of the appearances they cover; and that merges' states agree with the rows beside them. Changes nothing;
-// may run beside a server. Damage is a finding, never an exception.
+// Looks at one state of the database: SQLite's own integrity and foreign keys; checksums of all rows and blobs, SHA-256
+// of vocabularies and images; numbers without gaps, counters, edge ends and member spans; that the segments hold
+// exactly the postings of the appearances they cover; and that merges' states agree with the rows beside them. Changes
+// nothing; may run beside a server. Damage is a finding, never an exception.
 StoreCheckReport check_store(const Reader& db, const StoreCheckOptions& options = {});
 
 }  // namespace mapweld

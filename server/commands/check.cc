@@ -5,11 +5,13 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 
 #include "core/geometry/epipolar_verifier.h"
 #include "schema/data_folder.h"
+#include "schema/key_store.h"
 #include "schema/merge_store.h"
 #include "schema/store_check.h"
 #include "server/jobs/merge_check.h"
@@ -43,6 +45,9 @@ bool check(const std::filesystem::path& data, std::size_t max_findings, bool is_
   options.max_findings = max_findings;
   options.on_progress = [](std::string_view part) { std::cerr << "checking " << part << std::endl; };
   StoreCheckReport report = check_store(db, options);
+  check_keys(data, [&](Finding finding) {
+    if (report.findings.size() < max_findings) report.findings.push_back(std::move(finding));
+  });
   if (!is_shallow) check_merges(db, options, report);
   for (const Finding& finding : report.findings) std::cout << finding.where << ": " << finding.what << "\n";
   std::cout << report.maps << " maps, " << report.images << " images, " << report.appearances << " appearance vectors, "

@@ -2,57 +2,17 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <openssl/sha.h>
 
-#include "schema/mask_store.h"
-#include "schema/merge_store.h"
-#include "schema/segment_store.h"
-#include "tests/support/temp_store.h"
+#include "tests/schema/every_table.h"
 
 namespace mapweld {
 namespace {
 
-using test::Random;
 using test::TempStore;
 using testing::HasSubstr;
 
-// A store with something in every table.
 class StoreCheckTest : public testing::Test {
  protected:
-  void SetUp() override {
-    for (const MapId map : {a_, b_}) {
-      for (std::uint32_t v = 0; v < 20; ++v) {
-        const AppearanceVector appearances = test::random_appearances(random_, 40, 1'000);
-        const auto bytes = test::random_bytes(random_, 500);
-        NewImage image = test::new_image(std::to_string(v), appearances);
-        SHA256(bytes.data(), bytes.size(), image.sha256.data());
-        image.bytes = bytes;
-        std::vector<NewEdge> edges;
-        if (v > 0) edges.push_back({VertexId{v - 1}, {}, 30, test::random_verification(random_, 15, 40, 40)});
-        WriteTransaction db = store_.write();
-        insert_vertex(db, map, vocabulary_, image, appearances, edges, test::test_verifier(db));
-        db.commit();
-      }
-    }
-    WriteTransaction db = store_.write();
-    insert_ignored(db, a_, test::new_image("ignored", {}), VertexId{3}, 200);
-    const std::vector<std::uint8_t> mask_bytes(50, 3);
-    MaskRow mask{.width_px = 8, .height_px = 6, .used_pixels = 40, .set_at = test::at(0)};
-    SHA256(mask_bytes.data(), mask_bytes.size(), mask.sha256.data());
-    set_mask(db, a_, mask, mask_bytes);
-    const MapId merged = insert_merged_map(db, test::new_map("ab", vocabulary_), std::vector{a_, b_});
-    const JobId job = insert_merge(db, {merged, "quickconnect", 7, "{}", "{}", test::at(0)});
-    const std::uint64_t epoch = claim_merge(db, job, test::at(1)).value();
-    MergeState state;
-    state.method = "quickconnect";
-    state.vertices = 40;
-    state.edges.push_back({VertexId{4}, VertexId{24}, 30, test::random_verification(random_, 15, 40, 40), 1});
-    state.verifications = 1;
-    test::save_state(db, job, epoch, state);
-    db.commit();
-    write_due_segments(store_, {8, 2, 16});
-  }
-
   // What is found after `damage`, which is not kept.
   std::vector<Finding> found_after(const std::string& damage) {
     WriteTransaction db = store_.write();
@@ -62,10 +22,7 @@ class StoreCheckTest : public testing::Test {
   }
 
   TempStore store_;
-  Random random_{71};
-  VocabularyId vocabulary_ = test::add_vocabulary(store_);
-  MapId a_ = test::add_map(store_, "a", vocabulary_);
-  MapId b_ = test::add_map(store_, "b", vocabulary_);
+  const test::EveryTable filled_{store_};
 };
 
 TEST_F(StoreCheckTest, AWholeStoreHasNoFindingsAndIsCounted) {
@@ -80,7 +37,7 @@ TEST_F(StoreCheckTest, AWholeStoreHasNoFindingsAndIsCounted) {
   EXPECT_EQ(report.segments, 2U);
   EXPECT_EQ(report.edges, 39U);
   EXPECT_EQ(report.checkpoints, 4U);
-  EXPECT_EQ(parts.size(), 8U);
+  EXPECT_EQ(parts.size(), 9U);
 }
 
 TEST_F(StoreCheckTest, EveryKindOfDamageIsFoundWhereItIs) {

@@ -54,7 +54,7 @@ TEST(Store, AWriterThatGivesUpLeavesNothingAndLetsTheNextIn) {
   TempStore store;
   {
     WriteTransaction db = store.write();
-    db.connection().execute("INSERT INTO meta VALUES ('a', 'b')");
+    db.connection().execute("INSERT INTO meta (key, value) VALUES ('a', 'b')");
   }
   WriteTransaction db = store.write();
   EXPECT_EQ(db.connection().query_integer("SELECT count(*) FROM meta WHERE key = 'a'"), 0);

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/geometry/epipolar_verifier.h"
+#include "schema/key_store.h"
 #include "server/jobs/merge_jobs.h"
 #include "tests/server/commands/run_command.h"
 #include "tests/server/jobs/stored_toy_maps.h"
@@ -62,6 +63,18 @@ TEST(CheckCommand, NamesWhatIsDamaged) {
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(run.output, HasSubstr("findings"));
   EXPECT_THAT(run.output, HasSubstr("lab"));
+}
+
+TEST(CheckCommand, LooksAtTheKeysToo) {
+  TempStore store;
+  const std::filesystem::path data = store.folder() / "data";
+  KeyStore(data).add(
+      {.name = "robot", .role = "read", .maps = "*", .sha256 = {}, .created_at = at(1), .revoked_at = {}});
+  EXPECT_EQ(check(data.string()).exit_code, 0);
+  sqlite::Connection(data / "keys.db", sqlite::OpenMode::kReadWrite).execute("UPDATE keys SET role = 'admin'");
+  const Ran run = check(data.string());
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.output, HasSubstr("keys: rowid 1: its checksum does not match"));
 }
 
 TEST(CheckCommand, NamesAMergeThatCannotGoOnAndWhatHelps) {
