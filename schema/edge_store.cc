@@ -67,20 +67,26 @@ void insert_edges(WriteTransaction& db, MapId map, std::span<const NewEdge> edge
   }
   const std::int64_t vertices = counted.integer(0);
   counted.run();
+  // As AUTOINCREMENT would number them; all columns in the order of the table, since it reckons the checksum
+  // (row_checksums.h).
+  std::int64_t id = db.connection().query_integer(
+      "SELECT max(ifnull((SELECT seq FROM sqlite_sequence WHERE name = 'edges'), 0), ifnull(max(id), 0)) FROM edges");
   sqlite::Statement insert = db.prepare(
-      "INSERT INTO edges (map, u, v, votes, matches, inliers, log10_false_alarms, evidence, verifier, confirmed, "
-      "confidence, doubt, judgement, job, verifications, elapsed_s) "
-      "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+      "INSERT INTO edges (id, map, u, v, votes, matches, inliers, log10_false_alarms, evidence, verifier, confirmed, "
+      "doubt, job, verifications, elapsed_s, confidence, judgement, checksum) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, "
+      "?9, "
+      "?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, mapweld_checksum('edges', ?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, "
+      "?12, ?13, ?14, ?15, ?16, ?17))");
   for (const NewEdge& edge : edges) {
     if (to_index(edge.v) >= vertices) throw StoreError(StoreErrorKind::kConstraint, "an edge leaves its map");
     const Verification& verdict = edge.verification;
     const blobs::Bytes evidence = blobs::encode_evidence(verdict);
     const JudgementColumns judgement(edge.judgement);
     insert
-        .bind_all(map, edge.u, edge.v, edge.votes, verdict.matches, verdict.inliers, verdict.log10_false_alarms,
-                  std::span<const std::uint8_t>(evidence), verifier, judgement.confirmed, judgement.confidence,
-                  judgement.doubt, judgement.made_of, job, job ? std::optional(edge.verifications) : std::nullopt,
-                  job ? std::optional(edge.elapsed_s) : std::nullopt)
+        .bind_all(++id, map, edge.u, edge.v, edge.votes, verdict.matches, verdict.inliers, verdict.log10_false_alarms,
+                  std::span<const std::uint8_t>(evidence), verifier, judgement.confirmed, judgement.doubt, job,
+                  job ? std::optional(edge.verifications) : std::nullopt,
+                  job ? std::optional(edge.elapsed_s) : std::nullopt, judgement.confidence, judgement.made_of)
         .run();
   }
 }

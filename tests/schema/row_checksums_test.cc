@@ -168,6 +168,16 @@ TEST_F(RowChecksumsTest, DamageIsNotMadeWholeByWhatIsWrittenLater) {
   EXPECT_THAT(check_store(store_.read()).findings, Contains(Field(&Finding::where, "maps: 1")));
 }
 
+// They stand in files: one that changes is a format that changes.
+TEST(ChecksumFunction, GivesTheSameValuesForEver) {
+  sqlite::Connection connection(":memory:", sqlite::OpenMode::kReadWrite);
+  EXPECT_EQ(connection.query_integer("SELECT mapweld_checksum('maps', 1, NULL, 0.5, x'00ff', 'lab')"),
+            175499945888497631);
+  EXPECT_EQ(connection.query_integer("SELECT mapweld_checksum('maps', '1', NULL, 0.5, x'00ff', 'lab')"),
+            -414745574006458630);
+  EXPECT_EQ(connection.query_integer("SELECT mapweld_xor(12, 10, -1)"), ~(12 ^ 10));
+}
+
 // What the store's own statements do not do, a later one may.
 TEST_F(RowChecksumsTest, AllWaysToWriteARowKeepItsChecksum) {
   const test::EveryTable filled(store_);
