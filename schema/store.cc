@@ -1,5 +1,6 @@
 #include "schema/store.h"
 
+#include <new>
 #include <system_error>
 #include <utility>
 
@@ -12,6 +13,23 @@ namespace mapweld {
 
 using sqlite::Connection;
 using sqlite::Transaction;
+
+namespace {
+
+// A commit whose sync failed has its frames in the WAL, whole: a process that died now would find it committed when it
+// starts again. So another commit, which changes nothing, is written over them.
+void bury_failed_commit(Connection& writer) noexcept {
+  try {
+    const std::int64_t version = writer.query_integer("PRAGMA user_version");
+    Transaction transaction(writer, Transaction::Kind::kWrite);
+    writer.execute("PRAGMA user_version = " + std::to_string(version));  // writes the first page, as it is
+    transaction.commit();
+  } catch (const std::exception&) {
+    // What fails again stands in the place of what failed before, if anything could be written at all.
+  }
+}
+
+}  // namespace
 
 ReadTransaction::ReadTransaction(Store& store, std::unique_ptr<Connection> connection)
     : Reader(connection.get()),
@@ -40,7 +58,13 @@ WriteTransaction::~WriteTransaction() { rollback(); }
 void WriteTransaction::commit() {
   if (!transaction_) throw StoreError(StoreErrorKind::kInternal, "the transaction is finished already");
   store_->refuse_when_gone();
-  transaction_->commit();
+  try {
+    transaction_->commit();
+  } catch (...) {
+    transaction_.reset();
+    bury_failed_commit(*connection_);
+    throw;
+  }
   store_->after_commit();
   transaction_.reset();
   turn_.unlock();
@@ -203,7 +227,13 @@ bool Store::move_wal(int how) noexcept {
   int pages = 0;
   int moved = 0;
   const int result = sqlite3_wal_checkpoint_v2(writer_->handle(), nullptr, how, &pages, &moved);
-  const std::string error = result == SQLITE_OK ? std::string() : sqlite3_errmsg(writer_->handle());
+  std::string error;
+  if (result != SQLITE_OK) {
+    try {
+      error = sqlite3_errmsg(writer_->handle());
+    } catch (const std::bad_alloc&) {  // counted all the same
+    }
+  }
   sqlite3_busy_timeout(writer_->handle(), options_.busy_timeout_ms);
 
   const std::lock_guard lock(mutex_);
@@ -211,7 +241,7 @@ bool Store::move_wal(int how) noexcept {
   // Readers in the way are no failure: what could be moved has been.
   if (result != SQLITE_OK && (result & 0xff) != SQLITE_BUSY) {
     ++statistics_.failed_wal_checkpoints;
-    statistics_.last_wal_checkpoint_error = error;
+    statistics_.last_wal_checkpoint_error = std::move(error);
   }
   return result == SQLITE_OK && moved == pages;
 }
