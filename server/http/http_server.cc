@@ -4,6 +4,7 @@
 #include <chrono>
 #include <random>
 #include <stdexcept>
+#include <thread>
 #include <unordered_set>
 #include <utility>  // missing in <boost/asio/awaitable.hpp> of 1.74
 
@@ -20,6 +21,7 @@
 
 #include "server/http/loop/connection.h"
 #include "server/http/loop/dispatcher.h"
+#include "server/http/loop/memory_reserve.h"
 #include "server/http/loop/request_pool.h"
 #include "server/http/wire/body_budget.h"
 
@@ -35,6 +37,7 @@ constexpr std::size_t kReceiveBytes = 64 * 1024;
 constexpr std::size_t kTurnedAwayAtOnce = 64;  // answered 503; more are closed without a word
 constexpr milliseconds kSweep{50};             // how late a timeout may be
 constexpr milliseconds kAcceptPause{100};      // when there are no descriptors left
+constexpr milliseconds kMemoryPause{1};        // when there is no memory; nothing can wait without any
 
 // What the database and files need beside connections.
 std::size_t spare_descriptors(const HttpOptions& options) { return 64 + 3 * static_cast<std::size_t>(options.threads); }
@@ -85,9 +88,8 @@ class HttpServer::Impl {
   }
 
   void serve() {
-    asio::co_spawn(loop_, accept(), asio::detached);
-    asio::co_spawn(loop_, sweep(), asio::detached);
-    loop_.run();
+    while (!run()) {
+    }
     pool_.join();
   }
 
@@ -125,17 +127,57 @@ class HttpServer::Impl {
     return error;
   }
 
-  awaitable<void> accept() {
+  // False: something for which there was no memory threw. The connection of which it was is gone, the others go on.
+  bool run() {
+    try {
+      if (!accepts_) asio::co_spawn(loop_, accept(Alive(accepts_)), asio::detached);
+      if (!sweeps_) asio::co_spawn(loop_, sweep(Alive(sweeps_)), asio::detached);
+      loop_.run();
+      return true;
+    } catch (const std::exception& error) {
+      lacks_memory("the event loop", error);
+      return false;
+    }
+  }
+
+  // Says that a coroutine stands, from when it is made to when it ends, or was lost by what its waiting threw.
+  class Alive {
+   public:
+    explicit Alive(bool& says) : says_(&says) { says = true; }
+    Alive(Alive&& other) noexcept : says_(std::exchange(other.says_, nullptr)) {}
+    Alive& operator=(Alive&&) = delete;
+    ~Alive() {
+      if (says_) *says_ = false;
+    }
+
+   private:
+    bool* says_;
+  };
+
+  static void lacks_memory(const char* who, const std::exception& error) {
+    spdlog::error("{}: {}", who, error.what());
+    std::this_thread::sleep_for(kMemoryPause);
+  }
+
+  awaitable<void> accept(Alive) {
     while (!state_.draining) {
-      boost::system::error_code error;
-      tcp::socket socket = co_await acceptor_.async_accept(asio::redirect_error(asio::use_awaitable, error));
-      if (!error) {
-        asio::co_spawn(loop_, hold(std::move(socket)), asio::detached);
-      } else if (!state_.draining) {
-        make_room();
-        asio::steady_timer pause(loop_, kAcceptPause);
-        co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
+      try {
+        co_await accept_one();
+      } catch (const std::exception& error) {
+        lacks_memory("accepting a connection", error);
       }
+    }
+  }
+
+  awaitable<void> accept_one() {
+    boost::system::error_code error;
+    tcp::socket socket = co_await acceptor_.async_accept(asio::redirect_error(asio::use_awaitable, error));
+    if (!error) {
+      asio::co_spawn(loop_, hold(std::move(socket)), asio::detached);
+    } else if (!state_.draining) {
+      make_room();
+      asio::steady_timer pause(loop_, kAcceptPause);
+      co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
     }
   }
 
@@ -183,17 +225,27 @@ class HttpServer::Impl {
   }
 
   // Gives up those that wait too long. Sleeps while there are no connections.
-  awaitable<void> sweep() {
+  awaitable<void> sweep(Alive) {
     while (!state_.draining || !connections_.empty()) {
-      connections_.empty() ? sweep_timer_.expires_at(Connection::Clock::time_point::max())
-                           : sweep_timer_.expires_after(kSweep);
-      boost::system::error_code ignored;
-      co_await sweep_timer_.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
-      const auto now = Connection::Clock::now();
-      for (Connection* connection : connections_) connection->expire(now);
+      try {
+        co_await sweep_once();
+      } catch (const std::exception& error) {
+        lacks_memory("looking for connections that wait too long", error);
+      }
     }
   }
 
+  awaitable<void> sweep_once() {
+    connections_.empty() ? sweep_timer_.expires_at(Connection::Clock::time_point::max())
+                         : sweep_timer_.expires_after(kSweep);
+    boost::system::error_code ignored;
+    co_await sweep_timer_.async_wait(asio::redirect_error(asio::use_awaitable, ignored));
+    MemoryReserve::refill();
+    const auto now = Connection::Clock::now();
+    for (Connection* connection : connections_) connection->expire(now);
+  }
+
+  const MemoryReserve reserve_;
   const HttpOptions options_;
   const std::size_t max_connections_;
   const Dispatcher dispatcher_;
@@ -205,6 +257,8 @@ class HttpServer::Impl {
   LoopState state_;
   std::shared_ptr<const TlsCredentials> tls_;  // null: none
   std::unordered_set<Connection*> connections_;
+  bool accepts_ = false;  // the coroutines of this name stand
+  bool sweeps_ = false;
 };
 
 HttpServer::HttpServer(const HttpOptions& options, Router router, Metrics& metrics, Gate* gate)

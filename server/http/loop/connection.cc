@@ -1,6 +1,7 @@
 #include "server/http/loop/connection.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <exception>
 
@@ -90,6 +91,30 @@ awaitable<void> Connection::serve() {
     while (there && requests_ < state_.options.max_requests_per_connection) there = co_await serve_request();
   } catch (const std::exception& error) {
     spdlog::error("a connection from {} broke off: {}", peer_, error.what());
+    if (owes_refusal_) refuse_without_memory();
+  }
+}
+
+// Waits for nothing and allocates nothing.
+void Connection::refuse_without_memory() {
+  std::array<char, 32> id{};
+  std::array<char, 256> body{};
+  std::array<char, 512> reply{};
+  std::snprintf(id.data(), id.size(), "%08x-%06llx", static_cast<unsigned>(state_.id_prefix),
+                static_cast<unsigned long long>(state_.requests));
+  const int body_bytes =
+      std::snprintf(body.data(), body.size(),
+                    R"({"type":"urn:mapweld:problem:busy","title":"The server is busy","status":503,)"
+                    R"("detail":"The server is short of memory. Try again.","code":"busy","request_id":"%s"})",
+                    id.data());
+  const int bytes = std::snprintf(reply.data(), reply.size(),
+                                  "HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/problem+json\r\n"
+                                  "X-Request-Id: %s\r\nRetry-After: 1\r\nConnection: close\r\n"
+                                  "Content-Length: %d\r\n\r\n%s",
+                                  id.data(), body_bytes, body.data());
+  transport_.write({reply.data(), static_cast<std::size_t>(bytes)});
+  transport_.end();
+  while (transport_.read(state_.received).bytes > 0) {  // what is left unread would take the answer from the client
   }
 }
 
@@ -102,6 +127,7 @@ awaitable<void> Connection::turn_away() {
 awaitable<bool> Connection::serve_request() {
   if (input_.empty() && !(co_await wait_for_request())) co_return false;
   ++requests_;
+  owes_refusal_ = true;
   Exchange exchange{.request_id = next_request_id()};
   if (!co_await read_head(exchange)) co_return false;
   if (!exchange.reply) {
@@ -111,6 +137,7 @@ awaitable<bool> Connection::serve_request() {
   }
   if (!exchange.reply && exchange.plan.takes_body) co_await read_body(exchange);
   keep_input();
+  owes_refusal_ = false;
   if (!exchange.reply && exchange.plan.head.route->at_once) exchange.reply = Dispatcher::answer(exchange.plan);
   if (!exchange.reply && state_.pool.is_full()) {
     exchange.reply = reply_of("busy", "As many requests wait as may. Try again.", exchange.id());

@@ -76,6 +76,7 @@ class Connection {
   boost::asio::awaitable<bool> send_stream(Exchange& exchange);
   boost::asio::awaitable<bool> send_events(Exchange& exchange);
   boost::asio::awaitable<void> linger();
+  void refuse_without_memory();
   void tell(const Exchange& exchange) const;
 
   boost::asio::awaitable<bool> shake_hands();
@@ -92,6 +93,7 @@ class Connection {
   std::string_view input_;  // received, not yet used: in `state_.received` or in `kept_`
   std::string kept_;
   int requests_ = 0;
+  bool owes_refusal_ = false;  // a request has begun, nothing has been done for it and nothing answered
   Clock::time_point deadline_ = Clock::time_point::max();
   std::optional<Clock::time_point> idle_since_;
   std::shared_ptr<boost::asio::steady_timer> next_event_;  // while events are sent
