@@ -58,6 +58,7 @@ class MapLedger:
         self.perhaps = {}  # name: bytes, of uploads without an answer
         self.mask = None  # bytes, None, or UNKNOWN and then possible_masks
         self.possible_masks = []
+        self.unasked = set()  # names of images that were there against what was answered, told once
         self.looked_at = set()  # names whose bytes have been compared since they were answered
 
     def say(self, what):
@@ -167,9 +168,10 @@ class MapLedger:
                 self.say(f"image {name}, vertex {vertex}, is lost")
             elif listed[name] != (sha256(content), vertex):
                 self.say(f"image {name}, vertex {vertex}, is {listed[name]}")
-        for name in listed.keys() - self.images.keys():
+        for name in listed.keys() - self.images.keys() - self.unasked:
             if name not in self.perhaps or listed[name][0] != sha256(self.perhaps[name]):
                 self.say(f"image {name} is there, which was never sent, or answered with an error")
+                self.unasked.add(name)
             else:
                 self.images[name] = (self.perhaps[name], listed[name][1])
         self.perhaps = {}

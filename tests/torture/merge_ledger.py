@@ -16,6 +16,7 @@ class MergeLedger:
         self.name = name
         self.maps = maps
         self.violations = []
+        self.may_fail = False  # something is made to fail
         self.forget()
         self.exists = False
 
@@ -92,7 +93,7 @@ class MergeLedger:
             self.say(f"its checkpoint was at step {self.furthest_step} and is at {step}")
         self.furthest_step = max(self.furthest_step, step)
         self.perhaps_restarted = False
-        if merge["state"] == "failed":
+        if merge["state"] == "failed" and not self.may_fail:
             self.say(f"failed: {merge['error']}")
         if self.rest is not None and merge["state"] != self.rest:
             self.say(f"rested as {self.rest} and is {merge['state']}")
@@ -105,17 +106,16 @@ class MergeLedger:
         self.edges = edges
 
     def agree(self, server):
-        if self.id is None and self.exists is UNKNOWN:  # the answer would have said its number
+        if self.id is None:  # the answer would have said its number
             named = [merge for merge in server.items("/v1/merges") if merge["map"] == self.name]
-            if len(named) > 1:
-                self.say(f"is there {len(named)} times")
-            if named:
-                self.id = named[0]["id"]
+            if len(named) > 1 or (named and self.exists is False):
+                self.say(f"is there {len(named)} times, and was answered with an error")
             self.exists = bool(named)
-        if self.id is None:
-            if self.exists is False and server.request("GET", f"/v1/maps/{self.name}")[0] != 404:
-                self.say("its map is there although it was never made")
-            return
+            if not named:
+                if server.request("GET", f"/v1/maps/{self.name}")[0] != 404:
+                    self.say("its map is there without it")
+                return
+            self.id = named[0]["id"]
         status, merge = server.request("GET", self.path)
         map_status = server.request("GET", f"/v1/maps/{self.name}")[0]
         if map_status != status:

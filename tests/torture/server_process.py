@@ -95,9 +95,9 @@ class Server:
         self.process.stdout.close()
         self.log.close()
 
-    def request(self, method, path, body=None, content_type=None, timeout_s=ANSWER_WITHIN_S):
+    def request(self, method, path, body=None, content_type=None):
         """(status, document or bytes) of one request on a connection of its own."""
-        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=timeout_s)
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=ANSWER_WITHIN_S)
         try:
             if isinstance(body, dict):
                 body = json.dumps(body)
