@@ -48,6 +48,7 @@ WriteTransaction::WriteTransaction(Store& store, bool may_use_reserve)
     : Reader(nullptr), store_(&store), turn_(store.writer_turn_) {
   if (may_use_reserve) store.reserve_.release_when_short();
   connection_ = store.writer_.get();
+  if (connection_->in_transaction()) connection_->execute("ROLLBACK");  // the last one's end found no memory
   transaction_ = std::make_unique<Transaction>(*connection_, Transaction::Kind::kWrite);
 }
 
@@ -159,6 +160,7 @@ std::unique_ptr<Connection> Store::open_reader() {
 }
 
 void Store::give_back(std::unique_ptr<Connection> reader) noexcept {
+  if (reader->in_transaction()) return;  // its end found no memory
   const std::lock_guard lock(mutex_);
   if (idle_readers_.size() < options_.idle_readers) idle_readers_.push_back(std::move(reader));
 }
