@@ -249,12 +249,13 @@ DecodedImage DecoderPool::decode(std::span<const std::uint8_t> bytes, bool stret
     answer = turn.process().run(bytes, stretch, result);
   }
   if (answer == Process::Answer::kResult) {
-    turn.process().forget(bytes.size(), result);
+    std::optional<DecodedImage> image = turn.process().take(result);
+    turn.process().forget(bytes.size(), result);  // and what was taken is gone from there
     if (result.outcome == Outcome::kRefused) throw ImageError(decoding::get(result.code), decoding::get(result.detail));
     if (result.outcome == Outcome::kOutOfMemory) {
       throw ImageError("undecodable_image", "The image needs more memory than decoding may take.");
     }
-    if (std::optional<DecodedImage> image = turn.process().take(result)) return *std::move(image);
+    if (image) return *std::move(image);
   }
   turn.replace();
   throw ImageError("undecodable_image", answer == Process::Answer::kTooSlow

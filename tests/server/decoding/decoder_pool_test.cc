@@ -60,7 +60,9 @@ TEST(DecoderPool, GivesThePixelsThatThisProcessWould) {
         return std::array<std::uint16_t, 4>{static_cast<std::uint16_t>((x * 7 + y * 13) % 256),
                                             static_cast<std::uint16_t>(x < 9 ? 0 : 255), 0, 0};
       });
-  const Bytes files[] = {test::encode(".jpg", picture), test::encode(".png", picture), transparent,
+  // Large enough that its memory is given back at once.
+  const Bytes large = test::encode(".jpg", test::textured_image(2600, 2000));
+  const Bytes files[] = {large, test::encode(".jpg", picture), test::encode(".png", picture), transparent,
                          test::with_jpeg_exif(test::encode(".jpg", picture), test::exif_block(6, true)),
                          test::encode(".jpg", cv::Mat(picture / 16))};
   for (const Bytes& file : files) {
