@@ -12,6 +12,7 @@ using contract::Json;
 
 constexpr const char* kRoot = "/v1";
 constexpr const char* kJson = "application/json";
+constexpr const char* kDatabase = "application/vnd.sqlite3";
 
 Json parsed(const std::string& body) {
   try {
@@ -73,6 +74,26 @@ Answer<contract::Map> Client::map(const std::string& name) {
   return answer<contract::Map>(connection_.get(path_of(kRoot, {"maps", name})));
 }
 void Client::delete_map(const std::string& name) { connection_.remove(path_of(kRoot, {"maps", name})); }
+
+void Client::export_map(const std::string& map, bool images, const std::function<void(std::string_view)>& receive) {
+  connection_.get(path_of(kRoot, {"maps", map, "export"}, images ? Query{} : Query{{"images", "false"}}), receive);
+}
+Answer<contract::Map> Client::import_map(const std::filesystem::path& file, const std::optional<std::string>& name) {
+  return answer<contract::Map>(
+      connection_.post_file(path_of("/v1/maps:import", {}, name ? Query{{"name", *name}} : Query{}), file, kDatabase));
+}
+
+Answer<contract::Backup> Client::begin_backup() {
+  return answer<contract::Backup>(connection_.post("/v1/backups", "", kJson));
+}
+Answer<std::vector<contract::Backup>> Client::backups() { return all_pages<contract::Backup>({"backups"}); }
+Answer<contract::Backup> Client::backup(std::int64_t id) {
+  return answer<contract::Backup>(connection_.get(path_of(kRoot, {"backups", std::to_string(id)})));
+}
+void Client::backup_content(std::int64_t id, const std::function<void(std::string_view)>& receive) {
+  connection_.get(path_of(kRoot, {"backups", std::to_string(id), "content"}), receive);
+}
+void Client::delete_backup(std::int64_t id) { connection_.remove(path_of(kRoot, {"backups", std::to_string(id)})); }
 
 void Client::set_mask(const std::string& map, const std::string& png_bytes) {
   connection_.put(path_of(kRoot, {"maps", map, "mask"}), png_bytes, std::string(media_type(png_bytes)));

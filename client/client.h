@@ -12,6 +12,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -20,6 +21,7 @@
 #include <vector>
 
 #include "client/connection.h"
+#include "client/contract/backup.h"
 #include "client/contract/graph.h"
 #include "client/contract/image.h"
 #include "client/contract/json.h"
@@ -68,6 +70,18 @@ class Client {
   Answer<std::vector<contract::Map>> maps();
   Answer<contract::Map> map(const std::string& name);
   void delete_map(const std::string& name);
+
+  // A plain map as one file, handed on in pieces; `images`: with the images' bytes.
+  void export_map(const std::string& map, bool images, const std::function<void(std::string_view)>& receive);
+  // Makes a map of such a file, under its own name or another. Throws std::system_error when it cannot be read.
+  Answer<contract::Map> import_map(const std::filesystem::path& file, const std::optional<std::string>& name = {});
+
+  // Begins a copy of the whole server; it is in state "running" until it is made.
+  Answer<contract::Backup> begin_backup();
+  Answer<std::vector<contract::Backup>> backups();
+  Answer<contract::Backup> backup(std::int64_t id);
+  void backup_content(std::int64_t id, const std::function<void(std::string_view)>& receive);
+  void delete_backup(std::int64_t id);
 
   // A PNG, white where the map's images are used; for what is uploaded or localized from then on.
   void set_mask(const std::string& map, const std::string& png_bytes);

@@ -1,12 +1,15 @@
 #include "client/connection.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <ctime>
 #include <exception>
+#include <fstream>
 #include <stdexcept>
+#include <system_error>
 
 #include <httplib.h>
 
@@ -201,6 +204,25 @@ std::string Connection::get(const std::string& path) {
 std::string Connection::post(const std::string& path, const std::string& body, const std::string& content_type) {
   const NoSigpipe guard;
   httplib::Result result = http_->client.Post(prefix_ + path, body, content_type);
+  return body_of(result, base_url_);
+}
+
+std::string Connection::post_file(const std::string& path, const std::filesystem::path& file,
+                                  const std::string& content_type) {
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(file, error);
+  std::ifstream in(file, std::ios::binary);
+  if (!error && !in) error = std::error_code(errno, std::generic_category());
+  if (error) throw std::system_error(error, "cannot read " + file.string());
+  std::string piece(std::size_t{1} << 16, '\0');
+  const NoSigpipe guard;
+  httplib::Result result = http_->client.Post(
+      prefix_ + path, bytes,
+      [&](std::size_t, std::size_t left, httplib::DataSink& sink) {
+        in.read(piece.data(), static_cast<std::streamsize>(std::min(left, piece.size())));
+        return in.gcount() > 0 && sink.write(piece.data(), static_cast<std::size_t>(in.gcount()));
+      },
+      content_type);
   return body_of(result, base_url_);
 }
 

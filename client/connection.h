@@ -2,6 +2,7 @@
 // exceptions. Knows HTTP, knows nothing of maps.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -47,6 +48,9 @@ class Connection {
   // Each returns the body of a 2xx answer. Throws ServerProblem for any other status, ConnectionError for none.
   std::string get(const std::string& path);
   std::string post(const std::string& path, const std::string& body, const std::string& content_type);
+  // Posts what is in a file, as much as it has when it is opened, in pieces. Throws std::system_error when it cannot be
+  // read.
+  std::string post_file(const std::string& path, const std::filesystem::path& file, const std::string& content_type);
   std::string put(const std::string& path, const std::string& body, const std::string& content_type);
   std::string post_form(const std::string& path, const std::vector<FormPart>& parts);
   std::string remove(const std::string& path);

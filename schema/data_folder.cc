@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "schema/migrations.h"
+#include "schema/system_error.h"
 
 namespace mapweld {
 namespace {
@@ -23,58 +24,9 @@ namespace fs = std::filesystem;
 constexpr const char* kDatabaseFile = "mapweld.db";
 constexpr const char* kLockFile = "mapweld.lock";
 
-StoreError system_error_of(int error, const std::string& doing) {
-  StoreErrorKind kind = StoreErrorKind::kIo;
-  if (error == ENOSPC || error == EDQUOT) kind = StoreErrorKind::kNoSpace;
-  if (error == EACCES || error == EPERM || error == EROFS) kind = StoreErrorKind::kNoPermission;
-  return StoreError(kind, doing + ": " + std::strerror(error));
-}
-
 std::uint32_t big_endian(const std::array<unsigned char, 100>& header, std::size_t at) {
   return std::uint32_t{header[at]} << 24 | std::uint32_t{header[at + 1]} << 16 | std::uint32_t{header[at + 2]} << 8 |
          header[at + 3];
-}
-
-// Looks at the file's header without SQLite, which might repair, lock or leave files beside a database that is not ours
-// (https://www.sqlite.org/fileformat.html, "The Database Header"). False: there is no database yet.
-bool check_header(const fs::path& file) {
-  std::error_code error;
-  const auto bytes = fs::file_size(file, error);
-  if (error == std::errc::no_such_file_or_directory) return false;
-  if (error) throw system_error_of(error.value(), "cannot read " + file.string());
-  if (bytes == 0) return false;
-
-  std::array<unsigned char, 100> header{};
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw StoreError(StoreErrorKind::kNoPermission, "cannot read " + file.string());
-  in.read(reinterpret_cast<char*>(header.data()), static_cast<std::streamsize>(header.size()));
-  constexpr std::string_view kMagic("SQLite format 3\0", 16);
-  if (in.gcount() != static_cast<std::streamsize>(header.size()) ||
-      std::memcmp(header.data(), kMagic.data(), kMagic.size()) != 0) {
-    throw StoreError(StoreErrorKind::kForeignDatabase, file.string() + " is not an SQLite database");
-  }
-  constexpr std::size_t kUserVersionAt = 60;
-  constexpr std::size_t kApplicationIdAt = 68;
-  if (big_endian(header, kApplicationIdAt) != static_cast<std::uint32_t>(kApplicationId)) {
-    throw StoreError(StoreErrorKind::kForeignDatabase,
-                     file.string() + " is the database of another application, not Mapweld's");
-  }
-  const auto version = static_cast<int>(big_endian(header, kUserVersionAt));
-  if (version > schema_version()) {
-    throw StoreError(StoreErrorKind::kNewerVersion, file.string() + " has schema version " + std::to_string(version) +
-                                                        "; this program knows versions up to " +
-                                                        std::to_string(schema_version()) + ": install a newer Mapweld");
-  }
-  return true;
-}
-
-void sync_folder(const fs::path& folder) {
-  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) throw system_error_of(errno, "cannot open " + folder.string());
-  const int result = ::fsync(descriptor);
-  const int error = errno;
-  ::close(descriptor);
-  if (result != 0) throw system_error_of(error, "cannot sync " + folder.string());
 }
 
 void take_from_others(const fs::path& file) {
@@ -157,6 +109,39 @@ class FolderLock {
 
 }  // namespace
 
+// Looks at the file's header without SQLite, which might repair, lock or leave files beside a database that is not ours
+// (https://www.sqlite.org/fileformat.html, "The Database Header"). False: there is no database yet.
+bool check_database_file(const fs::path& file) {
+  std::error_code error;
+  const auto bytes = fs::file_size(file, error);
+  if (error == std::errc::no_such_file_or_directory) return false;
+  if (error) throw system_error_of(error.value(), "cannot read " + file.string());
+  if (bytes == 0) return false;
+
+  std::array<unsigned char, 100> header{};
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw StoreError(StoreErrorKind::kNoPermission, "cannot read " + file.string());
+  in.read(reinterpret_cast<char*>(header.data()), static_cast<std::streamsize>(header.size()));
+  constexpr std::string_view kMagic("SQLite format 3\0", 16);
+  if (in.gcount() != static_cast<std::streamsize>(header.size()) ||
+      std::memcmp(header.data(), kMagic.data(), kMagic.size()) != 0) {
+    throw StoreError(StoreErrorKind::kForeignDatabase, file.string() + " is not an SQLite database");
+  }
+  constexpr std::size_t kUserVersionAt = 60;
+  constexpr std::size_t kApplicationIdAt = 68;
+  if (big_endian(header, kApplicationIdAt) != static_cast<std::uint32_t>(kApplicationId)) {
+    throw StoreError(StoreErrorKind::kForeignDatabase,
+                     file.string() + " is the database of another application, not Mapweld's");
+  }
+  const auto version = static_cast<int>(big_endian(header, kUserVersionAt));
+  if (version > schema_version()) {
+    throw StoreError(StoreErrorKind::kNewerVersion, file.string() + " has schema version " + std::to_string(version) +
+                                                        "; this program knows versions up to " +
+                                                        std::to_string(schema_version()) + ": install a newer Mapweld");
+  }
+  return true;
+}
+
 void make_data_folder(const fs::path& folder) {
   std::error_code error;
   if (fs::is_directory(folder, error)) return;
@@ -179,7 +164,7 @@ DataFolder::DataFolder(const fs::path& folder, const DataFolderOptions& options)
   const fs::path wal = folder_ / (std::string(kDatabaseFile) + "-wal");
 
   // Before anything is made in the folder: a foreign database stays as it is, without even a lock beside it.
-  bool exists = check_header(file);
+  bool exists = check_database_file(file);
   if (!exists && !serve) throw StoreError(StoreErrorKind::kNotFound, "there is no database in " + folder_.string());
   if (serve) make_data_folder(folder_);
 
@@ -191,7 +176,7 @@ DataFolder::DataFolder(const fs::path& folder, const DataFolderOptions& options)
                                                        "; stop it or choose another folder");
   }
 
-  exists = check_header(file);
+  exists = check_database_file(file);
   if (!exists && fs::exists(wal)) {
     throw StoreError(StoreErrorKind::kCorrupt, wal.string() + " stands without its database " + file.string() +
                                                    ": put the database back, or remove the WAL to begin anew");
@@ -223,7 +208,7 @@ DataFolder::DataFolder(const fs::path& folder, const DataFolderOptions& options)
 DataFolder::~DataFolder() = default;
 
 void restore_backup(const fs::path& backup, const fs::path& folder) {
-  if (!check_header(backup)) throw StoreError(StoreErrorKind::kNotFound, "there is no backup " + backup.string());
+  if (!check_database_file(backup)) throw StoreError(StoreErrorKind::kNotFound, "there is no backup " + backup.string());
   make_data_folder(folder);
   std::error_code error;
   const FolderLock lock(folder / kLockFile);

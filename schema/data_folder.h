@@ -12,6 +12,10 @@ namespace mapweld {
 // PRAGMA application_id of every Mapweld database: "MWLD".
 inline constexpr std::int32_t kApplicationId = 0x4D574C44;
 
+// Whether a file is a Mapweld database of a version that this program knows. False: it is missing or empty. Throws
+// StoreError: kForeignDatabase, kNewerVersion, kNoPermission, kIo.
+bool check_database_file(const std::filesystem::path& file);
+
 // Makes the folder, for its owner only (0700), when it is missing; what exists is left as it is.
 void make_data_folder(const std::filesystem::path& folder);
 

@@ -38,6 +38,8 @@ class Statement {
   Statement& bind(int parameter, std::string_view text);
   Statement& bind(int parameter, std::span<const std::uint8_t> blob);
   Statement& bind_null(int parameter);
+  // The value of a column of another statement's current row, of whatever type.
+  Statement& bind_column(int parameter, const Statement& row, int column);
 
   template <typename Integer>
   requires std::is_integral_v<Integer> Statement& bind(int parameter, Integer value) {

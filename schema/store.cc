@@ -1,5 +1,6 @@
 #include "schema/store.h"
 
+#include <algorithm>
 #include <new>
 #include <system_error>
 #include <utility>
@@ -8,6 +9,7 @@
 #include <sys/stat.h>
 
 #include "schema/row_checksums.h"
+#include "schema/system_error.h"
 
 namespace mapweld {
 
@@ -170,7 +172,9 @@ StoreStatistics Store::statistics() const {
   return statistics_;
 }
 
-void Store::backup(const std::filesystem::path& target) {
+constexpr int kBackupPages = 1'024;  // copied before it is asked whether to go on
+
+bool Store::backup(const std::filesystem::path& target, const GoesOn& goes_on) {
   if (std::filesystem::exists(target)) {
     throw StoreError(StoreErrorKind::kConstraint, target.string() + " exists already");
   }
@@ -178,19 +182,33 @@ void Store::backup(const std::filesystem::path& target) {
   part += ".part";
   std::error_code ignored;
   std::filesystem::remove(part, ignored);
+  bool whole = false;
   try {
     const ReadTransaction from = read();
     Connection to(part, sqlite::OpenMode::kCreate);
     sqlite3_backup* copy = sqlite3_backup_init(to.handle(), "main", from.connection().handle(), "main");
     if (copy == nullptr) throw sqlite::error_of(to.handle(), SQLITE_ERROR, "backup");
-    const int result = sqlite3_backup_step(copy, -1);
+    int result = SQLITE_OK;
+    bool goes = true;
+    while (goes && result == SQLITE_OK) {
+      result = sqlite3_backup_step(copy, kBackupPages);
+      const double pages = std::max(1, sqlite3_backup_pagecount(copy));
+      goes = !goes_on || goes_on(1 - sqlite3_backup_remaining(copy) / pages);
+    }
     sqlite3_backup_finish(copy);
-    if (result != SQLITE_DONE) throw sqlite::error_of(to.handle(), result, "backup");
+    whole = goes && result == SQLITE_DONE;
+    if (result != SQLITE_DONE && result != SQLITE_OK) throw sqlite::error_of(to.handle(), result, "backup");
   } catch (...) {
     std::filesystem::remove(part, ignored);
     throw;
   }
+  if (!whole) {
+    std::filesystem::remove(part, ignored);
+    return false;
+  }
   std::filesystem::rename(part, target);
+  sync_folder(std::filesystem::absolute(target).parent_path());
+  return true;
 }
 
 void Store::limit_pages(std::uint32_t pages) {

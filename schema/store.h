@@ -15,6 +15,7 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -123,8 +124,11 @@ class Store {
   // Thread-safe.
   StoreStatistics statistics() const;
 
-  // A consistent copy of the database, taken while others read and write; `target` must not exist. Thread-safe.
-  void backup(const std::filesystem::path& target);
+  // Told the share that is done, now and then; false gives up.
+  using GoesOn = std::function<bool(double share)>;
+  // A consistent copy of the database, taken while others read and write; `target` must not exist, and appears when it
+  // is whole and safe on the disk. False: given up, and nothing is left. Thread-safe.
+  bool backup(const std::filesystem::path& target, const GoesOn& goes_on = {});
 
   // The most pages the database may have (PRAGMA max_page_count): a quota, which answers kNoSpace beyond.
   void limit_pages(std::uint32_t pages);

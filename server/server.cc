@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <optional>
 #include <stdexcept>
 #include <thread>
@@ -19,6 +20,8 @@
 #include "server/access/addresses.h"
 #include "server/access/key_ring.h"
 #include "server/api/api.h"
+#include "server/copies/backup_service.h"
+#include "server/copies/map_transfer.h"
 #include "server/decoding/decoder_pool.h"
 #include "server/events/event_hub.h"
 #include "server/events/map_events.h"
@@ -58,6 +61,18 @@ std::unique_ptr<DecoderPool> make_decoders(const ServerConfig& config) {
                          .max_file_bytes = config.http.max_body_bytes});
 }
 
+// For files on their way in or out, which have no name any more when they have arrived.
+std::filesystem::path transit_folder(const ServerConfig& config) { return config.data / "transit"; }
+
+// What a server that stopped was being sent is of no use to anybody.
+HttpOptions http_options(const ServerConfig& config) {
+  HttpOptions options = config.http;
+  options.body_folder = transit_folder(config);
+  std::filesystem::remove_all(options.body_folder);
+  make_data_folder(options.body_folder);
+  return options;
+}
+
 // How long after stop() the images of requests under way are still stored.
 constexpr std::chrono::seconds kUploadGrace{3};
 
@@ -83,9 +98,11 @@ class Server::Impl {
                                   const contract::Upload& upload) { tell_image(events_, map, upload); }}),
         localization_(store_, opener_, vocabularies_, workers_, decoder(), metrics_),
         quality_(store_),
+        backups_(store_, config.data / "backups"),
+        transfer_(store_, maps_, vocabularies_, transit_folder(config)),
         keys_(config.data),
         gate_(keys_, config.access, config.log_format),
-        http_(config.http, routes(), metrics_, &gate_),
+        http_(http_options(config), routes(), metrics_, &gate_),
         segments_(store_),
         judges_(store_, cache_, config.cache_mb << 20) {
     refuse_open_door(config);
@@ -131,6 +148,8 @@ class Server::Impl {
                         .quality = quality_,
                         .merges = merges_,
                         .events = events_,
+                        .backups = backups_,
+                        .transfer = transfer_,
                         .ready = [this] { return !stopping_ && store_.in_place() && has_vocabulary(); }});
   }
 
@@ -218,6 +237,8 @@ class Server::Impl {
   ImageService images_;
   LocalizeService localization_;
   QualityService quality_;
+  BackupService backups_;
+  MapTransfer transfer_;
   KeyRing keys_;
   AccessGate gate_;
   HttpServer http_;

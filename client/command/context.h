@@ -34,6 +34,7 @@ void add_merge_command(CLI::App& app, Context& context);
 void add_merges_command(CLI::App& app, Context& context);
 void add_explain_command(CLI::App& app, Context& context);
 void add_graph_command(CLI::App& app, Context& context);
+void add_backup_command(CLI::App& app, Context& context);
 void add_server_commands(CLI::App& app, Context& context);  // quality, vocabularies, health
 
 }  // namespace mapweld::command

@@ -1,10 +1,11 @@
-// mapweld map create|list|show|delete
+// mapweld map create|list|show|delete|export|import
 #include <cmath>
 #include <map>
 #include <memory>
 
 #include "client/command/context.h"
 #include "client/command/exit_code.h"
+#include "client/command/output_file.h"
 #include "client/command/terminal.h"
 
 namespace mapweld::command {
@@ -15,6 +16,13 @@ struct MapOptions {
   contract::MapParameters parameters;
   std::vector<std::string> labels;  // KEY=TEXT
   std::string name;
+};
+
+struct CopyOptions {
+  std::string map;
+  std::string file;
+  std::optional<std::string> name;
+  bool without_images = false;
 };
 
 std::string percent_text(double share) { return std::to_string(std::lround(100 * share)) + " %"; }
@@ -112,11 +120,36 @@ int remove(const Context& context, const std::string& name) {
   return kDone;
 }
 
+int export_map(const Context& context, const CopyOptions& options) {
+  OutputFile out(options.file);
+  std::uint64_t bytes = 0;
+  context.connect().export_map(options.map, !options.without_images, [&](std::string_view piece) {
+    bytes += piece.size();
+    out.write(piece);
+  });
+  out.commit();
+  if (!context.json && options.file != "-") {
+    print("Map " + options.map + " is in " + options.file + ", " + bytes_text(bytes) + ".\n");
+  }
+  return kDone;
+}
+
+int import_map(const Context& context, const CopyOptions& options) {
+  const auto map = context.connect().import_map(options.file, options.name);
+  if (context.json) {
+    print_json(map.json);
+  } else {
+    print("Map " + map->name + " is there: " + count_text(map->vertices, "vertex", "vertices") + ", " +
+          count_text(map->edges, "edge") + ", with the words of " + map->vocabulary + ".\n");
+  }
+  return kDone;
+}
+
 }  // namespace
 
 void add_map_command(CLI::App& app, Context& context) {
   const auto options = std::make_shared<MapOptions>();
-  CLI::App* map = app.add_subcommand("map", "Make, list, show and delete maps");
+  CLI::App* map = app.add_subcommand("map", "Make, list, show, delete and copy maps");
   map->require_subcommand(1);
 
   CLI::App* make = map->add_subcommand("create", "Make an empty map");
@@ -142,6 +175,18 @@ void add_map_command(CLI::App& app, Context& context) {
   CLI::App* one = map->add_subcommand("show", "Show one map");
   one->add_option("NAME", options->name)->required();
   one->callback([=, &context] { context.action = [=, &context] { return show(context, options->name); }; });
+
+  const auto copy = std::make_shared<CopyOptions>();
+  CLI::App* out = map->add_subcommand("export", "Write a map into one file, for another server");
+  out->add_option("NAME", copy->map)->required();
+  out->add_option("FILE", copy->file, "The file, or - for standard output")->required();
+  out->add_flag("--no-images", copy->without_images, "Without the images' bytes: words and edges only");
+  out->callback([=, &context] { context.action = [=, &context] { return export_map(context, *copy); }; });
+
+  CLI::App* in = map->add_subcommand("import", "Make a map of a file that was exported, here or elsewhere");
+  in->add_option("FILE", copy->file)->required();
+  in->add_option("--name", copy->name, "Another name than the one that it had");
+  in->callback([=, &context] { context.action = [=, &context] { return import_map(context, *copy); }; });
 
   CLI::App* gone = map->add_subcommand("delete", "Delete a map with its images; a merged map goes with its merge");
   gone->add_option("NAME", options->name)->required();

@@ -97,6 +97,15 @@ std::string time_text(const std::string& rfc3339) {
 
 std::string number_text(double number) { return number == 0 ? "0" : formatted("%.4g", number); }
 
+std::string bytes_text(std::uint64_t bytes) {
+  constexpr const char* kUnits[] = {"KB", "MB", "GB", "TB"};
+  if (bytes < 1000) return count_text(static_cast<std::int64_t>(bytes), "byte");
+  double amount = static_cast<double>(bytes) / 1000;
+  std::size_t unit = 0;
+  for (; amount >= 999.5 && unit < 3; ++unit) amount /= 1000;
+  return formatted(amount < 10 ? "%.1f" : "%.0f", amount) + " " + kUnits[unit];
+}
+
 std::string count_text(std::int64_t count, std::string_view one, std::string_view many) {
   const std::string plural = many.empty() ? std::string(one) + "s" : std::string(many);
   return std::to_string(count) + " " + (count == 1 ? std::string(one) : plural);

@@ -1,6 +1,7 @@
 // Text for people: tables, bars, panels that are redrawn, numbers in words.
 #pragma once
 
+#include <cstdint>
 #include <cstdio>
 #include <string>
 #include <string_view>
@@ -30,6 +31,8 @@ std::string duration_text(double seconds);
 std::string time_text(const std::string& rfc3339);
 // Four significant digits: "0.01310", "12.35", "3.2e-05"; "0" for exactly 0.
 std::string number_text(double number);
+// "812 bytes", "56 KB", "1.2 GB".
+std::string bytes_text(std::uint64_t bytes);
 // "1 edge", "2 edges".
 std::string count_text(std::int64_t count, std::string_view one, std::string_view many = "");
 

@@ -45,7 +45,7 @@ inline constexpr std::array kCodes = {
     CodeEntry{"map_in_use", 409, "A merge uses the map"},
     CodeEntry{"map_is_merged", 409, "The map is a merged map"},
     CodeEntry{"vocabulary_mismatch", 409, "The maps have different vocabularies"},
-    CodeEntry{"wrong_state", 409, "The merge is in a state that does not allow this"},
+    CodeEntry{"wrong_state", 409, "It is in a state that does not allow this"},
     CodeEntry{"nothing_to_resume", 409, "The merge is complete and no member has grown"},
 
     CodeEntry{"length_required", 411, "The request does not say how long its body is"},
@@ -67,6 +67,7 @@ inline constexpr std::array kCodes = {
     CodeEntry{"invalid_budget", 422, "The budget is not valid"},
     CodeEntry{"invalid_parameter", 422, "A field or parameter has an invalid value"},
     CodeEntry{"invalid_vocabulary", 422, "The bytes are not a vocabulary"},
+    CodeEntry{"damaged_file", 422, "The file is damaged, or is not what it should be"},
 
     CodeEntry{"rate_limited", 429, "Too many requests in too short a time"},
     CodeEntry{"quota_exceeded", 429, "The key has used up what it may use"},

@@ -3,6 +3,8 @@
 
 #include <functional>
 
+#include "server/copies/backup_service.h"
+#include "server/copies/map_transfer.h"
 #include "server/events/event_hub.h"
 #include "server/http/router.h"
 #include "server/metrics/metrics.h"
@@ -28,6 +30,8 @@ struct Services {
   QualityService& quality;
   MergeService& merges;
   EventHub& events;
+  BackupService& backups;
+  MapTransfer& transfer;
   std::function<bool()> ready;  // the server takes requests and can make maps
 };
 
@@ -36,10 +40,12 @@ Router make_router(const Services& services);
 
 // Its parts.
 void add_system_routes(Router& router, const Services& services);
+void add_transfer_routes(Router& router, const Services& services);
 void add_vocabulary_routes(Router& router, const Services& services);
 void add_map_routes(Router& router, const Services& services);
 void add_mask_routes(Router& router, const Services& services);
 void add_image_routes(Router& router, const Services& services);
+void add_backup_routes(Router& router, const Services& services);
 void add_event_routes(Router& router, const Services& services);
 void add_merge_routes(Router& router, const Services& services);
 

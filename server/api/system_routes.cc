@@ -41,16 +41,6 @@ void add_system_routes(Router& router, const Services& services) {
                 reply.body = openapi_document();
                 return tagged_by_content(std::move(reply));
               }});
-  for (const auto& [method, pattern] :
-       {std::pair{"POST", "/v1/backups"}, std::pair{"GET", "/v1/backups/{backup}/content"}}) {
-    router.add({.method = method,
-                .pattern = pattern,
-                .role = Role::kAdmin,
-                .body = BodyRule::kOptional,
-                .handler = [](const Request&) -> Reply {
-                  throw ContractError("not_implemented", "Backups are not offered yet.");
-                }});
-  }
 }
 
 Router make_router(const Services& services) {
@@ -62,6 +52,8 @@ Router make_router(const Services& services) {
   add_image_routes(router, services);
   add_merge_routes(router, services);
   add_event_routes(router, services);
+  add_backup_routes(router, services);
+  add_transfer_routes(router, services);
   return router;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,7 @@ struct ConnectionLimits {
   int idle_timeout_ms = 5'000;                 // a kept-alive connection without a request
   int head_timeout_ms = 10'000;                // from the first byte of a head to its last; a TLS handshake
   int body_idle_timeout_ms = 10'000;           // between two pieces of a body
-  int body_timeout_ms = 120'000;               // a whole body
+  int body_timeout_ms = 120'000;               // a whole body, unless it becomes a file
   int write_timeout_ms = 10'000;               // between two pieces of a reply
   int rate_grace_ms = 10'000;                  // after that long, a body and a piece of a reply must on the whole
   std::uint64_t min_rate_bytes_per_s = 1'000;  // have moved as fast as this
@@ -34,6 +35,8 @@ struct HttpOptions {
   std::size_t max_body_bytes = 64 * 1024 * 1024;     // of one request
   std::size_t max_bodies_bytes = 512 * 1024 * 1024;  // of all requests together; more get 503 busy
   std::size_t max_json_bytes = 1024 * 1024;          // of a JSON document
+  std::filesystem::path body_folder = {};            // for bodies that become files; there when the server runs
+  std::uint64_t max_file_bytes = std::uint64_t{1} << 40;  // of such a body; the disk ends it sooner
   int max_requests_per_connection = 100'000;
   ConnectionLimits connection = {};
 };

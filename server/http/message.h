@@ -15,6 +15,7 @@
 
 #include "server/access/caller.h"
 #include "server/http/event_stream.h"
+#include "server/http/files/body_file.h"
 
 namespace mapweld::server {
 
@@ -46,7 +47,10 @@ struct Request {
   std::string last_event_id;  // as sent; empty when absent
   std::string if_none_match;  // as sent; empty when absent
   bool accepts_gzip = false;
+  std::string range;          // as sent; empty when absent
+  std::string if_range;       // as sent; empty when absent
   std::string body;
+  std::shared_ptr<BodyFile> body_file;  // instead of `body`, where the route wants that
   std::string request_id;
   std::shared_ptr<const Caller> caller;  // null: everything may be used
 
@@ -75,6 +79,7 @@ struct Reply {
   // when the client has taken the last piece, so that one who reads slowly holds a piece and no thread. An exception in
   // it breaks the connection off, so that the client cannot take a part for the whole.
   NextPiece stream;
+  std::optional<std::uint64_t> stream_bytes;  // how many they will be, where that is known: no chunks then
   // When set, the body is what comes from here, until it ends or the client goes; a comment (": ") every
   // event_heartbeat_ms. Holds no thread.
   std::shared_ptr<EventStream> events;

@@ -16,6 +16,7 @@ enum class BodyRule : std::uint8_t {
   kNone,      // takes none
   kOptional,  // a missing Content-Length means that there is none
   kRequired,  // a missing length is 411
+  kFile,      // as kRequired, and it is put into a file as it comes: Request::body_file
 };
 
 struct Route {

@@ -190,7 +190,11 @@ awaitable<void> Connection::read_body(Exchange& exchange) {
   const ConnectionLimits& limits = state_.options.connection;
   const auto started = Clock::now();
   try {
-    exchange.body.emplace(exchange.head, exchange.plan.max_body_bytes, state_.bodies);
+    if (exchange.plan.head.route->body == BodyRule::kFile) {
+      exchange.plan.request.body_file = std::make_shared<BodyFile>(state_.options.body_folder);
+    }
+    exchange.body.emplace(exchange.head, exchange.plan.max_body_bytes, state_.bodies,
+                          exchange.plan.request.body_file.get());
   } catch (...) {
     exchange.reply = problem_reply(problem_of(std::current_exception(), exchange.id()));
     co_return;
@@ -204,11 +208,13 @@ awaitable<void> Connection::read_body(Exchange& exchange) {
     } catch (...) {
       exchange.reply = problem_reply(problem_of(std::current_exception(), exchange.id()));
     }
-    exchange.bytes_in = exchange.body->body().size();
+    exchange.bytes_in = exchange.body->bytes();
     if (exchange.whole || exchange.reply) break;
     co_await give_way(transport_.socket());
-    const auto deadline = std::min(started + milliseconds(limits.body_timeout_ms),
-                                   pace(limits, started, exchange.bytes_in, Clock::now(), limits.body_idle_timeout_ms));
+    auto deadline = pace(limits, started, exchange.bytes_in, Clock::now(), limits.body_idle_timeout_ms);
+    if (!exchange.plan.request.body_file) {
+      deadline = std::min(deadline, started + milliseconds(limits.body_timeout_ms));
+    }
     const Got got = co_await receive(deadline);
     if (got == Got::kEnd) exchange.reply = reply_of("malformed_request", "The body breaks off.", exchange.id());
     if (got == Got::kTimeout) {
@@ -258,7 +264,7 @@ awaitable<bool> Connection::send(Exchange& exchange) {
 
 awaitable<bool> Connection::send_stream(Exchange& exchange) {
   const Reply& reply = *exchange.reply;
-  const bool in_chunks = !exchange.head.http_1_0;
+  const bool in_chunks = !exchange.head.http_1_0 && !reply.stream_bytes;
   bool more = true;
   while (more) {
     std::string piece;

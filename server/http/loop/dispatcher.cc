@@ -34,6 +34,7 @@ void negotiate(const Request& request, Reply& reply) {
     reply.content_type.clear();
     reply.body.clear();
     reply.stream = {};
+    reply.stream_bytes.reset();
   } else if (compressible && request.accepts_gzip) {
     compress(reply);
   }
@@ -48,6 +49,7 @@ Dispatcher::Dispatcher(const HttpOptions& options, Router router, Gate* gate)
     : hosts_(options.host, options.allowed_hosts),
       max_body_bytes_(options.max_body_bytes),
       max_json_bytes_(std::min(options.max_json_bytes, options.max_body_bytes)),
+      max_file_bytes_(options.max_file_bytes),
       router_(std::move(router)),
       gate_(gate) {}
 
@@ -121,6 +123,8 @@ void Dispatcher::consider(const Head& head, Plan& plan) const {
   request.last_event_id = head.field("last-event-id");
   request.if_none_match = head.field("if-none-match");
   request.accepts_gzip = accepts_gzip(head.field("accept-encoding"));
+  request.range = head.field("range");
+  request.if_range = head.field("if-range");
   request.request_id = known.request_id;
   request.caller = plan.admission.caller;
   consider_body(head, plan);
@@ -133,11 +137,13 @@ void Dispatcher::consider_body(const Head& head, Plan& plan) const {
   if (!encoding.empty() && encoding != "identity") {
     throw ContractError("unsupported_media_type", "Content-Encoding is not supported: send the bytes as they are.");
   }
-  if (head.framing == Framing::kNone && route.body == BodyRule::kRequired) {
+  if (head.framing == Framing::kNone && (route.body == BodyRule::kRequired || route.body == BodyRule::kFile)) {
     throw ContractError("length_required", "The request has neither Content-Length nor chunked Transfer-Encoding.");
   }
   plan.takes_body = head.framing != Framing::kNone;
-  plan.max_body_bytes = route.json_body ? max_json_bytes_ : max_body_bytes_;
+  plan.max_body_bytes = route.body == BodyRule::kFile ? max_file_bytes_
+                        : route.json_body           ? max_json_bytes_
+                                                    : max_body_bytes_;
 }
 
 }  // namespace mapweld::server

@@ -22,7 +22,7 @@ struct Plan {
   Admission admission;           // its reply is in `refusal`
   std::optional<Reply> refusal;  // set: no handler runs; of OPTIONS, too, which no handler answers
   bool takes_body = false;       // the handler wants the body, and there is one
-  std::size_t max_body_bytes = 0;
+  std::uint64_t max_body_bytes = 0;
 };
 
 class Dispatcher {
@@ -43,6 +43,7 @@ class Dispatcher {
   const HostNames hosts_;
   const std::size_t max_body_bytes_;
   const std::size_t max_json_bytes_;
+  const std::uint64_t max_file_bytes_;
   const Router router_;
   Gate* const gate_;
 };

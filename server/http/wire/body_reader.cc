@@ -15,14 +15,14 @@ constexpr int kMaxTrailers = 32;
 
 [[noreturn]] void refuse_chunks() { throw ContractError("malformed_request", "The chunks of the body are malformed."); }
 
-[[noreturn]] void refuse_size(std::size_t max_bytes) {
+[[noreturn]] void refuse_size(std::uint64_t max_bytes) {
   throw ContractError("body_too_large", "The body may have at most " + std::to_string(max_bytes) + " bytes.");
 }
 
 }  // namespace
 
-BodyReader::BodyReader(const Head& head, std::size_t max_bytes, BodyBudget& budget)
-    : max_bytes_(max_bytes), chunked_(head.framing == Framing::kChunked), share_(budget) {
+BodyReader::BodyReader(const Head& head, std::uint64_t max_bytes, BodyBudget& budget, BodyFile* file)
+    : max_bytes_(max_bytes), chunked_(head.framing == Framing::kChunked), share_(budget), file_(file) {
   if (head.framing == Framing::kLength) {
     left_ = head.content_length;
     if (left_ > max_bytes) refuse_size(max_bytes);
@@ -56,7 +56,7 @@ bool BodyReader::take(std::string_view& input) {
 // RFC 9112, section 7.1.
 void BodyReader::begin_chunk() {
   if (!parse_whole(trim(std::string_view(line_).substr(0, line_.find(';'))), left_, 16)) refuse_chunks();
-  if (left_ > max_bytes_ - body_.size()) refuse_size(max_bytes_);
+  if (left_ > max_bytes_ - bytes_) refuse_size(max_bytes_);
   expect_ = left_ > 0 ? Expect::kData : Expect::kTrailer;
 }
 
@@ -76,8 +76,13 @@ bool BodyReader::take_line(std::string_view& input) {
 
 void BodyReader::take_data(std::string_view& input) {
   const auto size = static_cast<std::size_t>(std::min<std::uint64_t>(left_, input.size()));
-  if (!share_.take(size)) throw ContractError("busy", "The server holds as many uploads as it can. Try again.");
-  body_.append(input.substr(0, size));
+  if (file_ != nullptr) {
+    file_->append(input.substr(0, size));
+  } else {
+    if (!share_.take(size)) throw ContractError("busy", "The server holds as many uploads as it can. Try again.");
+    body_.append(input.substr(0, size));
+  }
+  bytes_ += size;
   input.remove_prefix(size);
   left_ -= size;
 }

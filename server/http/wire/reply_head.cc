@@ -12,7 +12,7 @@ void add_field(std::string& head, std::string_view name, std::string_view value)
   head.append(name).append(": ").append(value).append("\r\n");
 }
 
-bool has_no_length(const Reply& reply) { return reply.stream || reply.events; }
+bool has_no_length(const Reply& reply) { return (reply.stream && !reply.stream_bytes) || reply.events; }
 
 }  // namespace
 
@@ -29,8 +29,9 @@ std::string reply_head(const Reply& reply, const ReplyFrame& frame) {
   add_field(head, "X-Request-Id", frame.request_id);
   if (!reply.content_type.empty()) add_field(head, "Content-Type", reply.content_type);
   if (!has_no_length(reply)) {
-    if (reply.status != 204 && reply.status != 304)
-      add_field(head, "Content-Length", std::to_string(reply.body.size()));
+    if (reply.status != 204 && reply.status != 304) {
+      add_field(head, "Content-Length", std::to_string(reply.stream_bytes.value_or(reply.body.size())));
+    }
   } else if (!frame.http_1_0) {
     add_field(head, "Transfer-Encoding", "chunked");
   }

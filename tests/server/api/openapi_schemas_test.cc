@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "client/contract/backup.h"
 #include "client/contract/graph.h"
 #include "client/contract/image.h"
 #include "client/contract/map.h"
@@ -80,6 +81,7 @@ TEST(OpenApi, SchemasHaveTheFieldsOfTheDocuments) {
   expect_answer<Pair>(schemas["Pair"], "Pair");
   expect_answer<Evidence>(schemas["Pair"]["properties"]["evidence"]["items"], "a pair's evidence");
   expect_answer<Problem>(schemas["Problem"], "Problem");
+  expect_answer<Backup>(schemas["Backup"], "Backup");
   expect_answer<Vocabulary>(schemas["Vocabulary"], "Vocabulary");
   expect_fields<MapParameters>(schemas["MapParameters"], "MapParameters");
   expect_fields<CreateMap>(schemas["CreateMap"], "CreateMap");

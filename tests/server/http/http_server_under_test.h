@@ -3,6 +3,8 @@
 
 #include <atomic>
 #include <chrono>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -14,8 +16,10 @@
 #include <httplib.h>
 
 #include "client/contract/json.h"
+#include "server/http/files/file_reply.h"
 #include "server/http/http_server.h"
 #include "tests/server/http/raw_client.h"
+#include "tests/support/temp_store.h"
 
 namespace mapweld::server {
 
@@ -26,6 +30,7 @@ class HttpServerTest : public ::testing::Test {
  protected:
   void start(HttpOptions options = {}) {
     options.port = 0;
+    options.body_folder = folder_.path();
     options.allowed_hosts.insert(options.allowed_hosts.end(), {"x", "maps.example"});
     Router router;
     router.add({.method = "GET", .pattern = "/hello", .handler = [](const Request&) { return text("hello"); }});
@@ -59,6 +64,15 @@ class HttpServerTest : public ::testing::Test {
         {.method = "POST", .pattern = "/maybe", .body = BodyRule::kOptional, .handler = [](const Request& request) {
            return text("[" + request.body + "]");
          }});
+    router.add({.method = "POST", .pattern = "/file", .body = BodyRule::kFile, .handler = [](const Request& request) {
+                  std::ifstream in(request.body_file->path(), std::ios::binary);
+                  const std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+                  return text(std::to_string(request.body.size()) + " and " + bytes);
+                }});
+    router.add({.method = "GET", .pattern = "/file", .handler = [this](const Request& request) {
+                  return file_reply(request, std::make_shared<OpenFile>(folder_.path() / "given"), "text/plain",
+                                    "\"v1\"");
+                }});
     router.add({.method = "GET", .pattern = "/slow", .handler = [this](const Request&) {
                   ++slow_;
                   std::this_thread::sleep_for(std::chrono::milliseconds(300));
@@ -139,6 +153,7 @@ class HttpServerTest : public ::testing::Test {
     return contract::parse_json(reply.substr(body + 4)).value("code", "");
   }
 
+  const test::TempFolder folder_;
   Metrics metrics_;
   Gate* gate_ = nullptr;  // set before start()
   std::shared_ptr<EventStream> events_ = std::make_shared<EventStream>();

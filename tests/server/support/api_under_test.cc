@@ -32,6 +32,7 @@ ApiUnderTest::ApiUnderTest(const server::HttpOptions& options, const ServicesOpt
     : services_(services) {
   server::HttpOptions any_port = options;
   any_port.port = 0;
+  any_port.body_folder = services_.store().file().parent_path();
   server::Router router = server::make_router({.store = services_.store(),
                                                .metrics = metrics_,
                                                .vocabularies = services_.vocabularies(),
@@ -42,6 +43,8 @@ ApiUnderTest::ApiUnderTest(const server::HttpOptions& options, const ServicesOpt
                                                .quality = services_.quality(),
                                                .merges = services_.merges(),
                                                .events = services_.events(),
+                                               .backups = services_.backups(),
+                                               .transfer = services_.transfer(),
                                                .ready = [this] { return ready; }});
   routes_ = router.routes();
   http_ = std::make_unique<server::HttpServer>(any_port, std::move(router), metrics_, gate);

@@ -36,7 +36,9 @@ struct ServicesUnderTest::Running {
         masks(store, decoder),
         images(store, cache, vocabularies, workers, decoder, metrics, telling(options.images)),
         localization(store, opener, vocabularies, workers, decoder, metrics),
-        quality(store) {
+        quality(store),
+        backups(store, store.file().parent_path() / "backups"),
+        transfer(store, maps, vocabularies, store.file().parent_path()) {
     if (!vocabularies.set_default_from_store()) vocabularies.add("words", small_vocabulary().serialize());
     jobs.start();
   }
@@ -63,6 +65,8 @@ struct ServicesUnderTest::Running {
   ImageService images;
   LocalizeService localization;
   QualityService quality;
+  BackupService backups;
+  MapTransfer transfer;
 };
 
 ServicesUnderTest::ServicesUnderTest(const ServicesOptions& options)
@@ -80,6 +84,8 @@ MapService& ServicesUnderTest::maps() { return running_->maps; }
 MaskService& ServicesUnderTest::masks() { return running_->masks; }
 ImageService& ServicesUnderTest::images() { return running_->images; }
 LocalizeService& ServicesUnderTest::localization() { return running_->localization; }
+BackupService& ServicesUnderTest::backups() { return running_->backups; }
+MapTransfer& ServicesUnderTest::transfer() { return running_->transfer; }
 QualityService& ServicesUnderTest::quality() { return running_->quality; }
 MergeService& ServicesUnderTest::merges() { return running_->merges; }
 MergeJobs& ServicesUnderTest::jobs() { return running_->jobs; }

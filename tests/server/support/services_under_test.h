@@ -4,6 +4,8 @@
 #include <memory>
 #include <string>
 
+#include "server/copies/backup_service.h"
+#include "server/copies/map_transfer.h"
 #include "server/events/event_hub.h"
 #include "server/jobs/merge_jobs.h"
 #include "server/maps/map_cache.h"
@@ -43,6 +45,8 @@ class ServicesUnderTest {
   server::ImageService& images();
   server::LocalizeService& localization();
   server::QualityService& quality();
+  server::BackupService& backups();
+  server::MapTransfer& transfer();
   server::MergeService& merges();
   server::MergeJobs& jobs();
   server::EventHub& events();
