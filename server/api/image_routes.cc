@@ -1,6 +1,7 @@
 #include "client/contract/image.h"
 #include "client/contract/names.h"
 #include "server/api/api.h"
+#include "server/api/cursors.h"
 #include "server/api/replies.h"
 #include "server/http/multipart.h"
 #include "server/http/problem.h"
@@ -106,8 +107,9 @@ void add_image_routes(Router& router, const Services& services) {
               .pattern = "/v1/maps/{map}/ignored",
               .role = Role::kRead,
               .query = list_query(),
-              .handler = [&maps = services.maps](const Request& request) {
-                return json_reply(200, maps.ignored(request.parameter("map"), page_of(request)));
+              .handler = [&maps = services.maps, cursors = Cursors(services.store)](const Request& request) {
+                return cursors.reply(
+                    request, [&](const PageRequest& page) { return maps.ignored(request.parameter("map"), page); });
               }});
   router.add({.method = "POST",
               .pattern = "/v1/maps/{map}/localize",

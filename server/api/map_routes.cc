@@ -1,5 +1,6 @@
 #include "client/contract/map.h"
 #include "server/api/api.h"
+#include "server/api/cursors.h"
 #include "server/api/replies.h"
 #include "server/api/revision_tags.h"
 #include "server/events/map_events.h"
@@ -42,6 +43,7 @@ Reply stream_graph(Store& store, const Request& request) {
 void add_map_routes(Router& router, const Services& services) {
   MapService& maps = services.maps;
   const RevisionTags tagged(services.store);
+  const Cursors cursors(services.store);
   EventHub& events = services.events;
   router.add({.method = "POST",
               .pattern = "/v1/maps",
@@ -62,8 +64,9 @@ void add_map_routes(Router& router, const Services& services) {
               .pattern = "/v1/maps",
               .role = Role::kRead,
               .query = list_query(),
-              .handler = [&maps](const Request& request) {
-                return json_reply(200, maps.list(page_of(request), request.caller.get()));
+              .handler = [&maps, cursors](const Request& request) {
+                return cursors.reply(request,
+                                     [&](const PageRequest& page) { return maps.list(page, request.caller.get()); });
               }});
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}",
@@ -83,9 +86,10 @@ void add_map_routes(Router& router, const Services& services) {
               .pattern = "/v1/maps/{map}/vertices",
               .role = Role::kRead,
               .query = list_query({"name"}),
-              .handler = tagged([&maps](const Request& request) {
-                return json_reply(
-                    200, maps.vertices(request.parameter("map"), request.query.text("name"), page_of(request)));
+              .handler = tagged([&maps, cursors](const Request& request) {
+                return cursors.reply(request, [&](const PageRequest& page) {
+                  return maps.vertices(request.parameter("map"), request.query.text("name"), page);
+                });
               })});
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/vertices/{vertex}",
@@ -98,13 +102,15 @@ void add_map_routes(Router& router, const Services& services) {
               .pattern = "/v1/maps/{map}/edges",
               .role = Role::kRead,
               .query = list_query({"min_inliers", "kind", "confirmed"}),
-              .handler = tagged([&maps](const Request& request) {
+              .handler = tagged([&maps, cursors](const Request& request) {
                 MapService::EdgeQuery query;
                 query.min_inliers =
                     static_cast<std::uint32_t>(request.query.integer("min_inliers", 0, 65535).value_or(0));
                 query.inter = inter_in_query(request);
                 query.confirmed = request.query.boolean("confirmed");
-                return json_reply(200, maps.edges(request.parameter("map"), query, page_of(request)));
+                return cursors.reply(request, [&](const PageRequest& page) {
+                  return maps.edges(request.parameter("map"), query, page);
+                });
               })});
   router.add(
       {.method = "GET",

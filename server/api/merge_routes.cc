@@ -1,5 +1,6 @@
 #include "client/contract/merge.h"
 #include "server/api/api.h"
+#include "server/api/cursors.h"
 #include "server/api/replies.h"
 #include "server/events/map_events.h"
 #include "server/services/pair_service.h"
@@ -32,6 +33,7 @@ Reply merge_reply(int status, const contract::Merge& merge) {
 
 void add_merge_routes(Router& router, const Services& services) {
   MergeService& merges = services.merges;
+  const Cursors cursors(services.store);
   EventHub& events = services.events;
   router.add({.method = "POST",
               .pattern = "/v1/merges",
@@ -51,9 +53,10 @@ void add_merge_routes(Router& router, const Services& services) {
               .pattern = "/v1/merges",
               .role = Role::kRead,
               .query = list_query({"state"}),
-              .handler = [&merges](const Request& request) {
-                return json_reply(200,
-                                  merges.list(request.query.text("state"), page_of(request), request.caller.get()));
+              .handler = [&merges, cursors](const Request& request) {
+                return cursors.reply(request, [&](const PageRequest& page) {
+                  return merges.list(request.query.text("state"), page, request.caller.get());
+                });
               }});
   router.add({.method = "GET",
               .pattern = "/v1/merges/{merge}",
@@ -76,15 +79,17 @@ void add_merge_routes(Router& router, const Services& services) {
               .pattern = "/v1/merges/{merge}/curve",
               .role = Role::kRead,
               .query = list_query(),
-              .handler = [&merges](const Request& request) {
-                return json_reply(200, merges.curve(merge_in_path(merges, request), page_of(request)));
+              .handler = [&merges, cursors](const Request& request) {
+                const std::int64_t id = merge_in_path(merges, request);
+                return cursors.reply(request, [&](const PageRequest& page) { return merges.curve(id, page); });
               }});
   router.add({.method = "GET",
               .pattern = "/v1/merges/{merge}/edges",
               .role = Role::kRead,
               .query = list_query(),
-              .handler = [&merges](const Request& request) {
-                return json_reply(200, merges.edges(merge_in_path(merges, request), page_of(request)));
+              .handler = [&merges, cursors](const Request& request) {
+                const std::int64_t id = merge_in_path(merges, request);
+                return cursors.reply(request, [&](const PageRequest& page) { return merges.edges(id, page); });
               }});
   router.add({.method = "POST",
               .pattern = "/v1/merges/{merge}/pause",

@@ -56,14 +56,6 @@ inline std::vector<std::string> list_query(std::vector<std::string> own = {}) {
   return own;
 }
 
-inline PageRequest page_of(const Request& request) {
-  PageRequest page;
-  page.limit = static_cast<std::size_t>(
-      request.query.integer("limit", 1, contract::kMaxPageItems).value_or(contract::kDefaultPageItems));
-  page.cursor = request.query.text("cursor");
-  return page;
-}
-
 // A number in the path. What is no number names nothing: `missing` is answered.
 template <typename Number>
 Number number_in_path(const Request& request, const std::string& name, contract::Code missing) {

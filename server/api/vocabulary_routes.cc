@@ -1,4 +1,5 @@
 #include "server/api/api.h"
+#include "server/api/cursors.h"
 #include "server/api/replies.h"
 
 namespace mapweld::server {
@@ -11,9 +12,9 @@ void add_vocabulary_routes(Router& router, const Services& services) {
               .pattern = "/v1/vocabularies",
               .role = Role::kRead,
               .query = list_query(),
-              .handler = [&vocabularies](const Request& request) {
-                const PageRequest page = page_of(request);
-                return tagged_by_content(json_reply(200, vocabularies.list(page.limit, page.cursor)));
+              .handler = [&vocabularies, cursors = Cursors(services.store)](const Request& request) {
+                return tagged_by_content(cursors.reply(
+                    request, [&](const PageRequest& page) { return vocabularies.list(page.limit, page.cursor); }));
               }});
   router.add({.method = "GET",
               .pattern = "/v1/vocabularies/{vocabulary}",

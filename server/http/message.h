@@ -31,6 +31,8 @@ class Query {
   std::optional<std::int64_t> integer(const std::string& name, std::int64_t min, std::int64_t max) const;
   std::optional<bool> boolean(const std::string& name) const;  // true, false, 1, 0
 
+  const std::multimap<std::string, std::string>& values() const { return values_; }
+
   // Throws ContractError unknown_field for a parameter that is not among `known`.
   void refuse_unknown(std::span<const std::string> known) const;
 
