@@ -147,6 +147,7 @@ class Server::Impl {
                         .localization = localization_,
                         .quality = quality_,
                         .merges = merges_,
+                        .decoder = decoder(),
                         .events = events_,
                         .backups = backups_,
                         .transfer = transfer_,

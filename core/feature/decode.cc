@@ -8,6 +8,7 @@
 
 #include "core/errors.h"
 #include "core/feature/contrast.h"
+#include "core/feature/exif.h"
 #include "core/feature/jpeg.h"
 #include "core/feature/png.h"
 
@@ -48,41 +49,6 @@ ImageHeader read_png_header(std::span<const std::uint8_t> bytes) {
   return {ImageHeader::Format::kPng, static_cast<int>(width), static_cast<int>(height)};
 }
 
-void refuse_large(int width_px, int height_px, const DecodeOptions& options) {
-  if (std::max(width_px, height_px) > options.max_side_px || std::int64_t{width_px} * height_px > options.max_pixels) {
-    throw ImageError("image_too_large", "The image has " + std::to_string(width_px) + "x" + std::to_string(height_px) +
-                                            " pixels; at most " + std::to_string(options.max_pixels) + " and " +
-                                            std::to_string(options.max_side_px) + " a side are taken.");
-  }
-}
-
-// EXIF orientation names where row 0 and column 0 of the stored image lie in the scene.
-cv::Mat apply_orientation(cv::Mat stored, int orientation) {
-  constexpr int kMirrorX = 1;
-  constexpr int kMirrorY = 0;
-  constexpr int kMirrorBoth = -1;
-  cv::Mat upright = stored;
-  if (orientation >= 5) cv::transpose(stored, upright);
-  cv::Mat result = upright;
-  switch (orientation) {
-    case 2:
-    case 6:
-      cv::flip(upright, result, kMirrorX);
-      break;
-    case 3:
-    case 7:
-      cv::flip(upright, result, kMirrorBoth);
-      break;
-    case 4:
-    case 8:
-      cv::flip(upright, result, kMirrorY);
-      break;
-    default:
-      break;
-  }
-  return result;
-}
-
 }  // namespace
 
 ImageHeader read_image_header(std::span<const std::uint8_t> bytes) {
@@ -91,19 +57,29 @@ ImageHeader read_image_header(std::span<const std::uint8_t> bytes) {
   return {ImageHeader::Format::kJpeg, reader.width_px(), reader.height_px()};
 }
 
+void refuse_large(const ImageHeader& header, const DecodeOptions& options) {
+  const std::int64_t pixels = std::int64_t{header.width_px} * header.height_px;
+  if (std::max(header.width_px, header.height_px) > options.max_side_px || pixels > options.max_pixels) {
+    throw ImageError("image_too_large", "The image has " + std::to_string(header.width_px) + "x" +
+                                            std::to_string(header.height_px) + " pixels; at most " +
+                                            std::to_string(options.max_pixels) + " and " +
+                                            std::to_string(options.max_side_px) + " a side are taken.");
+  }
+}
+
 DecodedImage decode_image(std::span<const std::uint8_t> bytes, const DecodeOptions& options) {
   DecodedImage image;
   if (read_format(bytes) == ImageHeader::Format::kPng) {
     image.format = ImageHeader::Format::kPng;
     const ImageHeader header = read_png_header(bytes);
-    refuse_large(header.width_px, header.height_px, options);
+    refuse_large(header, options);
     const PngImage png = read_png_grey(bytes);
-    image.grey = apply_orientation(png.grey, png.orientation);
-    if (!png.used.empty()) image.used = apply_orientation(png.used, png.orientation);
+    image.grey = upright(png.grey, png.orientation);
+    if (!png.used.empty()) image.used = upright(png.used, png.orientation);
   } else {
     JpegReader reader(bytes);
-    refuse_large(reader.width_px(), reader.height_px(), options);
-    image.grey = apply_orientation(reader.read_grey(), reader.orientation());
+    refuse_large({ImageHeader::Format::kJpeg, reader.width_px(), reader.height_px()}, options);
+    image.grey = upright(reader.read_grey(), reader.orientation());
   }
   image.grey = options.stretch ? stretched_to_8_bits(image.grey, image.used) : scaled_to_8_bits(image.grey);
   return image;

@@ -25,6 +25,9 @@ struct ImageHeader {
 // Throws ImageError: empty_body, unsupported_image, undecodable_image (a header cut short).
 ImageHeader read_image_header(std::span<const std::uint8_t> bytes);
 
+// Throws ImageError image_too_large.
+void refuse_large(const ImageHeader& header, const DecodeOptions& options);
+
 struct DecodedImage {
   ImageHeader::Format format = ImageHeader::Format::kJpeg;
   cv::Mat grey;  // CV_8UC1

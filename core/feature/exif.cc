@@ -2,6 +2,8 @@
 
 #include <cstddef>
 
+#include <opencv2/core.hpp>
+
 namespace mapweld {
 namespace {
 
@@ -50,6 +52,32 @@ int read_exif_orientation(std::span<const std::uint8_t> tiff) {
     return reader.u16(entry + 2) == kShort && value >= 1 && value <= 8 ? value : 1;
   }
   return 1;
+}
+
+cv::Mat upright(const cv::Mat& stored, int orientation) {
+  constexpr int kMirrorX = 1;
+  constexpr int kMirrorY = 0;
+  constexpr int kMirrorBoth = -1;
+  cv::Mat turned = stored;
+  if (orientation >= 5) cv::transpose(stored, turned);
+  cv::Mat result = turned;
+  switch (orientation) {
+    case 2:
+    case 6:
+      cv::flip(turned, result, kMirrorX);
+      break;
+    case 3:
+    case 7:
+      cv::flip(turned, result, kMirrorBoth);
+      break;
+    case 4:
+    case 8:
+      cv::flip(turned, result, kMirrorY);
+      break;
+    default:
+      break;
+  }
+  return result;
 }
 
 }  // namespace mapweld

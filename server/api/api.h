@@ -29,6 +29,7 @@ struct Services {
   LocalizeService& localization;
   QualityService& quality;
   MergeService& merges;
+  ImageDecoder& decoder;
   EventHub& events;
   BackupService& backups;
   MapTransfer& transfer;

@@ -12,6 +12,9 @@ namespace {
 
 using contract::ContractError;
 
+constexpr std::int64_t kMinWidthPx = 16;  // of pictures that are made smaller
+constexpr std::int64_t kMaxWidthPx = 4096;
+
 Provenance provenance_in_query(const Request& request) {
   Provenance provenance;
   if (const auto text = request.query.text("captured_at")) {
@@ -70,9 +73,17 @@ Reply upload_batch(ImageService& images, const Request& request) {
   return json_reply(200, batch);
 }
 
-Reply read_back(const MapService& maps, const Request& request) {
+Reply read_back(const Services& services, const Request& request) {
   const auto vertex = number_in_path<std::uint32_t>(request, "vertex", "no_such_vertex");
-  return image_reply(maps.image(request.parameter("map"), vertex));
+  const auto width_px = request.query.integer("width", kMinWidthPx, kMaxWidthPx);
+  Reply reply = image_reply(services.maps.image(request.parameter("map"), vertex));
+  if (!width_px) return reply;
+  reply.etag.insert(reply.etag.size() - 1, "-" + std::to_string(*width_px));
+  if (request.knows(reply.etag)) return reply;
+  const std::vector<std::uint8_t> smaller = services.decoder.shrink(
+      {reinterpret_cast<const std::uint8_t*>(reply.body.data()), reply.body.size()}, static_cast<int>(*width_px));
+  if (!smaller.empty()) reply.body.assign(smaller.begin(), smaller.end());
+  return reply;
 }
 
 Reply localize(LocalizeService& localization, const Request& request) {
@@ -102,7 +113,8 @@ void add_image_routes(Router& router, const Services& services) {
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/vertices/{vertex}/image",
               .role = Role::kRead,
-              .handler = [&maps = services.maps](const Request& request) { return read_back(maps, request); }});
+              .query = {"width"},
+              .handler = [services](const Request& request) { return read_back(services, request); }});
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/ignored",
               .role = Role::kRead,

@@ -96,9 +96,10 @@ class DecoderPool::Process {
 
   enum class Answer : std::uint8_t { kResult, kGoneBefore, kDied, kTooSlow };
   // kGoneBefore: it was not there to take the job.
-  Answer run(std::span<const std::uint8_t> file, bool stretch, Result& result) {
+  Answer run(std::span<const std::uint8_t> file, Job job, Result& result) {
     std::copy(file.begin(), file.end(), memory_);
-    const Job job{.file_bytes = file.size(), .max_file_bytes = options_.max_file_bytes, .stretch = stretch};
+    job.file_bytes = file.size();
+    job.max_file_bytes = options_.max_file_bytes;
     const double began_s = processor_s(process_);
     if (::send(socket_, &job, sizeof job, MSG_NOSIGNAL) != sizeof job) return Answer::kGoneBefore;
     pollfd reply{socket_, POLLIN, 0};
@@ -111,8 +112,13 @@ class DecoderPool::Process {
     return ::recv(socket_, &result, sizeof result, 0) == sizeof result ? Answer::kResult : Answer::kDied;
   }
 
-  // Null for a result that no honest process gives.
-  std::optional<DecodedImage> take(const Result& result) const {
+  // Both null for a result that no honest process gives.
+  std::optional<std::vector<std::uint8_t>> take_file(const Result& result) const {
+    if (result.shrunk_bytes > decoding::kMaxResultBytes) return std::nullopt;
+    const std::uint8_t* const file = memory_ + options_.max_file_bytes;
+    return std::vector<std::uint8_t>(file, file + result.shrunk_bytes);
+  }
+  std::optional<DecodedImage> take_pixels(const Result& result) const {
     const std::int64_t pixels = std::int64_t{result.width_px} * result.height_px;
     if (result.width_px <= 0 || result.height_px <= 0 || pixels > decoding::kMaxPixels) return std::nullopt;
     std::uint8_t* const grey = memory_ + options_.max_file_bytes;
@@ -127,7 +133,7 @@ class DecoderPool::Process {
   void forget(std::size_t file_bytes, const Result& result) const {
     const std::size_t pixels = 2 * static_cast<std::size_t>(std::max(result.width_px, 0)) *
                                static_cast<std::size_t>(std::max(result.height_px, 0));
-    if (file_bytes + pixels > kKeptBytes) {
+    if (file_bytes + pixels + result.shrunk_bytes > kKeptBytes) {
       ::fallocate(file_.get(), FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, 0, static_cast<off_t>(bytes_));
     }
   }
@@ -239,28 +245,39 @@ std::vector<int> DecoderPool::process_ids() const {
   return ids;
 }
 
-DecodedImage DecoderPool::decode(std::span<const std::uint8_t> bytes, bool stretch) {
-  if (bytes.size() > options_.max_file_bytes) throw std::length_error("a file larger than decoders take");
+template <typename Take>
+auto DecoderPool::work(std::span<const std::uint8_t> file, const Job& job, const Take& take) {
+  if (file.size() > options_.max_file_bytes) throw std::length_error("a file larger than decoders take");
   Turn turn(*this);
   Result result;
-  Process::Answer answer = turn.process().run(bytes, stretch, result);
+  Process::Answer answer = turn.process().run(file, job, result);
   if (answer == Process::Answer::kGoneBefore) {
     turn.replace();
-    answer = turn.process().run(bytes, stretch, result);
+    answer = turn.process().run(file, job, result);
   }
   if (answer == Process::Answer::kResult) {
-    std::optional<DecodedImage> image = turn.process().take(result);
-    turn.process().forget(bytes.size(), result);  // and what was taken is gone from there
+    auto taken = take(turn.process(), result);
+    turn.process().forget(file.size(), result);  // and what was taken is gone from there
     if (result.outcome == Outcome::kRefused) throw ImageError(decoding::get(result.code), decoding::get(result.detail));
     if (result.outcome == Outcome::kOutOfMemory) {
       throw ImageError("undecodable_image", "The image needs more memory than decoding may take.");
     }
-    if (image) return *std::move(image);
+    if (taken) return *std::move(taken);
   }
   turn.replace();
   throw ImageError("undecodable_image", answer == Process::Answer::kTooSlow
                                             ? "The image takes longer to decode than an image may."
                                             : "The decoder broke off over this image.");
+}
+
+DecodedImage DecoderPool::decode(std::span<const std::uint8_t> bytes, bool stretch) {
+  return work(bytes, {.stretch = stretch},
+              [](const Process& process, const Result& result) { return process.take_pixels(result); });
+}
+
+std::vector<std::uint8_t> DecoderPool::shrink(std::span<const std::uint8_t> bytes, int width_px) {
+  return work(bytes, {.shrink_to_px = width_px},
+              [](const Process& process, const Result& result) { return process.take_file(result); });
 }
 
 }  // namespace mapweld::server

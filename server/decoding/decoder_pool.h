@@ -14,6 +14,10 @@
 
 namespace mapweld::server {
 
+namespace decoding {
+struct Job;
+}
+
 struct DecoderPoolOptions {
   std::string program = "/proc/self/exe";  // started as `program decode-images`
   int processes = 2;                       // images decoded at the same time
@@ -33,6 +37,7 @@ class DecoderPool final : public ImageDecoder {
   ~DecoderPool() override;
 
   DecodedImage decode(std::span<const std::uint8_t> bytes, bool stretch) override;
+  std::vector<std::uint8_t> shrink(std::span<const std::uint8_t> bytes, int width_px) override;
 
   // Processes that died, or were ended, and were replaced.
   std::uint64_t replaced() const { return replaced_; }
@@ -41,6 +46,10 @@ class DecoderPool final : public ImageDecoder {
  private:
   class Process;
   class Turn;
+
+  // Has a process work on `file`; `take(process, result)` gives nothing for a result that no honest process gives.
+  template <typename Take>
+  auto work(std::span<const std::uint8_t> file, const decoding::Job& job, const Take& take);
 
   const DecoderPoolOptions options_;
   mutable std::mutex mutex_;

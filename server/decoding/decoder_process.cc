@@ -1,9 +1,11 @@
 #include "server/decoding/decoder_process.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
 #include <span>
+#include <vector>
 
 #include <opencv2/core.hpp>
 #include <opencv2/core/utility.hpp>
@@ -13,6 +15,7 @@
 
 #include "core/errors.h"
 #include "core/feature/allocation.h"
+#include "core/feature/shrink.h"
 #include "server/decoding/decoder_protocol.h"
 
 namespace mapweld::server {
@@ -26,18 +29,34 @@ void copy_out(const cv::Mat& pixels, std::uint8_t* to) {
   pixels.copyTo(target);
 }
 
-decoding::Result decode(const decoding::Job& job, std::uint8_t* memory) {
+void decode(std::span<const std::uint8_t> file, bool stretch, std::uint8_t* to, decoding::Result& result) {
+  const DecodedImage image = decode_image(file, {.stretch = stretch});
+  result.png = image.format == ImageHeader::Format::kPng;
+  result.width_px = image.grey.cols;
+  result.height_px = image.grey.rows;
+  copy_out(image.grey, to);
+  if (!image.used.empty()) {
+    result.has_used = 1;
+    copy_out(image.used, to + image.grey.total());
+  }
+}
+
+void shrink(std::span<const std::uint8_t> file, int width_px, std::uint8_t* to, decoding::Result& result) {
+  const std::vector<std::uint8_t> smaller = shrink_image(file, width_px);
+  if (smaller.size() > decoding::kMaxResultBytes) throw std::bad_alloc();
+  std::copy(smaller.begin(), smaller.end(), to);
+  result.shrunk_bytes = smaller.size();
+}
+
+decoding::Result work(const decoding::Job& job, std::uint8_t* memory) {
   decoding::Result result;
+  const std::span<const std::uint8_t> file(memory, job.file_bytes);
+  std::uint8_t* const to = memory + job.max_file_bytes;
   try {
-    const DecodedImage image = decode_image({memory, job.file_bytes}, {.stretch = job.stretch != 0});
-    result.png = image.format == ImageHeader::Format::kPng;
-    result.width_px = image.grey.cols;
-    result.height_px = image.grey.rows;
-    std::uint8_t* grey = memory + job.max_file_bytes;
-    copy_out(image.grey, grey);
-    if (!image.used.empty()) {
-      result.has_used = 1;
-      copy_out(image.used, grey + image.grey.total());
+    if (job.shrink_to_px > 0) {
+      shrink(file, job.shrink_to_px, to, result);
+    } else {
+      decode(file, job.stretch != 0, to, result);
     }
   } catch (const ImageError& error) {
     result.outcome = decoding::Outcome::kRefused;
@@ -65,8 +84,9 @@ int run_decoder_process() {
     enter_sandbox(kMaxMemoryBytes);
     decoding::Job job;
     while (::read(decoding::kSocket, &job, sizeof job) == sizeof job) {
-      const decoding::Result result = decode(job, static_cast<std::uint8_t*>(memory));
-      if (result.width_px > 0 && std::int64_t{result.width_px} * result.height_px > (1 << 20)) give_back_freed_memory();
+      const decoding::Result result = work(job, static_cast<std::uint8_t*>(memory));
+      const bool was_large = result.width_px > 0 && std::int64_t{result.width_px} * result.height_px > (1 << 20);
+      if (was_large || job.shrink_to_px > 0) give_back_freed_memory();
       if (::write(decoding::kSocket, &result, sizeof result) != sizeof result) break;
     }
     return 0;

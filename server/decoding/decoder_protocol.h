@@ -1,8 +1,8 @@
 // What the server and the processes that decode for it say to each other.
 //
-// Both map one piece of shared memory: the file's bytes at its beginning, the pixels behind them. A job and its result
-// go over a pair of sockets, a message each. The server believes nothing of a result that it has not checked: the other
-// side may have been taken over by the file that it decodes.
+// Both map one piece of shared memory: the file's bytes at its beginning, the pixels, or a smaller file, behind them. A
+// job and its result go over a pair of sockets, a message each. The server believes nothing of a result that it has not
+// checked: the other side may have been taken over by the file that it decodes.
 #pragma once
 
 #include <algorithm>
@@ -22,15 +22,16 @@ inline constexpr int kMemory = 4;
 
 inline constexpr std::int64_t kMaxPixels = DecodeOptions{}.max_pixels;
 
-// Grey, then which pixels are used, behind the file's bytes.
-constexpr std::size_t memory_bytes(std::size_t max_file_bytes) {
-  return max_file_bytes + 2 * static_cast<std::size_t>(kMaxPixels);
-}
+// Behind the file's bytes: grey, then which pixels are used; or a file.
+inline constexpr std::size_t kMaxResultBytes = 2 * static_cast<std::size_t>(kMaxPixels);
+
+constexpr std::size_t memory_bytes(std::size_t max_file_bytes) { return max_file_bytes + kMaxResultBytes; }
 
 struct Job {
   std::uint64_t file_bytes = 0;
   std::uint64_t max_file_bytes = 0;  // where the pixels begin
-  std::uint8_t stretch = 1;
+  std::int32_t shrink_to_px = 0;     // wide; 0: decode
+  std::uint8_t stretch = 1;          // when decoding
 };
 
 enum class Outcome : std::uint8_t {
@@ -45,6 +46,7 @@ struct Result {
   std::uint8_t has_used = 0;
   std::int32_t width_px = 0;
   std::int32_t height_px = 0;
+  std::uint64_t shrunk_bytes = 0;  // of the smaller file
   char code[32] = "";
   char detail[256] = "";
 };

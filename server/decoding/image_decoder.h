@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "core/feature/decode.h"
+#include "core/feature/shrink.h"
 
 namespace mapweld::server {
 
@@ -18,6 +20,8 @@ class ImageDecoder {
 
   // As decode_image(bytes, {.stretch = stretch}), to the pixel, with the same ImageErrors.
   virtual DecodedImage decode(std::span<const std::uint8_t> bytes, bool stretch) = 0;
+  // As shrink_image(bytes, width_px), to the byte, with the same ImageErrors.
+  virtual std::vector<std::uint8_t> shrink(std::span<const std::uint8_t> bytes, int width_px) = 0;
 };
 
 // In this process.
@@ -25,6 +29,9 @@ class LocalDecoder final : public ImageDecoder {
  public:
   DecodedImage decode(std::span<const std::uint8_t> bytes, bool stretch) override {
     return decode_image(bytes, {.stretch = stretch});
+  }
+  std::vector<std::uint8_t> shrink(std::span<const std::uint8_t> bytes, int width_px) override {
+    return shrink_image(bytes, width_px);
   }
 };
 

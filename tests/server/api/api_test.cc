@@ -32,6 +32,26 @@ TEST(Api, TellsHowItIs) {
   EXPECT_THAT(metrics.body, HasSubstr("mapweld_stage_duration_seconds_count{stage=\"sift\"} 0"));
 }
 
+TEST(Api, AnImageCanBeHadSmaller) {
+  ApiUnderTest api;
+  api.post("/v1/maps", R"({"name":"a"})");
+  api.post_image("/v1/maps/a/images", photo_jpeg(1, 0));
+  api.post_image("/v1/maps/a/images", png(photo(2, 0)));
+  for (const auto& [vertex, type] : {std::pair{"0", "image/jpeg"}, std::pair{"1", "image/png"}}) {
+    const std::string path = std::string("/v1/maps/a/vertices/") + vertex + "/image";
+    const Answer small = api.get(path + "?width=64");
+    EXPECT_EQ(small.header("Content-Type"), type);
+    const std::vector<std::uint8_t> bytes(small.body.begin(), small.body.end());
+    EXPECT_EQ(cv::imdecode(bytes, cv::IMREAD_COLOR).size(), cv::Size(64, 48));
+    EXPECT_EQ(api.get(path + "?width=320").body, api.get(path).body);
+    for (const char* width : {"15", "4097", "-1", "x", ""}) {
+      const Answer refused = api.get(path + "?width=" + width);
+      EXPECT_EQ(refused.status, 422) << width;
+      EXPECT_EQ(refused.code(), "invalid_parameter") << width;
+    }
+  }
+}
+
 TEST(Api, TheWholeWayFromPhotographsToAMergedMap) {
   ApiUnderTest api;
   const Answer created = api.post("/v1/maps", R"({"name":"a","labels":{"robot":"p3at-1"}})");

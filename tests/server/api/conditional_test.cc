@@ -1,4 +1,5 @@
 // Answers that a client has already are not sent again, and never when they have changed.
+#include <set>
 #include <string>
 #include <vector>
 
@@ -114,12 +115,15 @@ TEST_F(Conditional, AnotherServerHasOtherTags) {
 TEST_F(Conditional, ImagesMasksAndVocabularies) {
   make_map("a", 0);
   api_.put("/v1/maps/a/mask", png(cv::Mat(240, 320, CV_8UC1, cv::Scalar(255))), "image/png");
-  for (const char* path : {"/v1/maps/a/vertices/0/image", "/v1/maps/a/mask", "/v1/vocabularies",
-                           "/v1/vocabularies/words", "/v1/openapi.json"}) {
+  for (const char* path : {"/v1/maps/a/vertices/0/image", "/v1/maps/a/vertices/0/image?width=100", "/v1/maps/a/mask",
+                           "/v1/vocabularies", "/v1/vocabularies/words", "/v1/openapi.json"}) {
     EXPECT_EQ(status(path, tag(path)), 304) << path;
     EXPECT_EQ(status(path, tag("/v1/maps/a")), 200) << path;
   }
-  EXPECT_NE(tag("/v1/maps/a/vertices/0/image"), tag("/v1/maps/a/vertices/1/image"));
+  const std::string image = "/v1/maps/a/vertices/0/image";
+  const std::set<std::string> tags = {tag(image), tag(image + "?width=100"), tag(image + "?width=101"),
+                                      tag("/v1/maps/a/vertices/1/image")};
+  EXPECT_EQ(tags.size(), 4u);
 }
 
 // What follows from more than a map's revision has no tag.

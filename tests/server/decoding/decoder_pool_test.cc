@@ -62,7 +62,10 @@ TEST(DecoderPool, GivesThePixelsThatThisProcessWould) {
       });
   // Large enough that its memory is given back at once.
   const Bytes large = test::encode(".jpg", test::textured_image(2600, 2000));
-  const Bytes files[] = {large, test::encode(".jpg", picture), test::encode(".png", picture), transparent,
+  const Bytes files[] = {large,
+                         test::encode(".jpg", picture),
+                         test::encode(".png", picture),
+                         transparent,
                          test::with_jpeg_exif(test::encode(".jpg", picture), test::exif_block(6, true)),
                          test::encode(".jpg", cv::Mat(picture / 16))};
   for (const Bytes& file : files) {
@@ -76,6 +79,21 @@ TEST(DecoderPool, GivesThePixelsThatThisProcessWould) {
   }
   EXPECT_FALSE(pool.decode(transparent, true).used.empty());
   EXPECT_EQ(pool.replaced(), 0u);
+}
+
+TEST(DecoderPool, ShrinksAsThisProcessWould) {
+  DecoderPool pool(real());
+  LocalDecoder local;
+  const cv::Mat picture = test::textured_image(2600, 2000);
+  const Bytes files[] = {test::encode(".jpg", picture), test::encode(".png", picture),
+                         test::with_jpeg_exif(test::encode(".jpg", picture), test::exif_block(6, true))};
+  for (const Bytes& file : files) {
+    for (const int width_px : {16, 320, 2599, 4096})
+      EXPECT_EQ(pool.shrink(file, width_px), local.shrink(file, width_px));
+  }
+  EXPECT_EQ(pool.replaced(), 0u);
+  EXPECT_THROW(pool.shrink({}, 16), ImageError);
+  EXPECT_EQ(message_of(pool, files[0]), "decoded");
 }
 
 TEST(DecoderPool, RefusesInTheSameWords) {

@@ -42,6 +42,7 @@ ApiUnderTest::ApiUnderTest(const server::HttpOptions& options, const ServicesOpt
                                                .localization = services_.localization(),
                                                .quality = services_.quality(),
                                                .merges = services_.merges(),
+                                               .decoder = services_.decoder(),
                                                .events = services_.events(),
                                                .backups = services_.backups(),
                                                .transfer = services_.transfer(),

@@ -81,6 +81,7 @@ void ServicesUnderTest::restart() {
 
 VocabularyService& ServicesUnderTest::vocabularies() { return running_->vocabularies; }
 MapService& ServicesUnderTest::maps() { return running_->maps; }
+ImageDecoder& ServicesUnderTest::decoder() { return running_->decoder; }
 MaskService& ServicesUnderTest::masks() { return running_->masks; }
 ImageService& ServicesUnderTest::images() { return running_->images; }
 LocalizeService& ServicesUnderTest::localization() { return running_->localization; }

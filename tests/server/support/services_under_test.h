@@ -51,6 +51,7 @@ class ServicesUnderTest {
   server::MergeJobs& jobs();
   server::EventHub& events();
   server::MapCache& cache();
+  server::ImageDecoder& decoder();
   server::Metrics& metrics();
 
   // A map with default parameters.
