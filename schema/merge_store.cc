@@ -156,6 +156,17 @@ std::vector<MergeRow> list_merges(const Reader& db, std::size_t limit, std::opti
   return merges;
 }
 
+std::map<JobState, std::uint64_t> count_merges(const Reader& db) {
+  std::map<JobState, std::uint64_t> counts;
+  sqlite::Statement row = db.prepare("SELECT count(*) FROM merges WHERE state = ?");
+  for (const JobState state : kJobStates) {
+    row.bind(1, to_string(state)).step();
+    counts[state] = static_cast<std::uint64_t>(row.integer(0));
+    row.reset();
+  }
+  return counts;
+}
+
 std::optional<std::uint64_t> claim_merge(WriteTransaction& db, JobId job, Timestamp now) {
   sqlite::Statement row = db.prepare(
       "UPDATE merges SET state = 'running', stop_reason = NULL, error = NULL, epoch = epoch + 1, updated_at_us = ? "

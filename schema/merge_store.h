@@ -4,7 +4,9 @@
 // is refused when the job has been claimed again, or is gone: a late worker changes nothing.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -20,6 +22,8 @@ namespace mapweld {
 
 // The states of http-api.md.
 enum class JobState : std::uint8_t { kQueued, kRunning, kPaused, kBudgetExhausted, kCompleted, kCancelled, kFailed };
+inline constexpr std::array kJobStates = {JobState::kQueued,    JobState::kRunning,   JobState::kPaused, JobState::kBudgetExhausted,
+                                          JobState::kCompleted, JobState::kCancelled, JobState::kFailed};
 std::string_view to_string(JobState state);
 // nullopt for a word that is no state.
 std::optional<JobState> parse_job_state(std::string_view word);
@@ -67,6 +71,9 @@ std::optional<MergeRow> find_merge_of(const Reader& db, MapId merged);
 // Up to `limit` jobs in order of id, those after `after`; only those in `state` when it is given.
 std::vector<MergeRow> list_merges(const Reader& db, std::size_t limit, std::optional<JobId> after = {},
                                   std::optional<JobState> state = {});
+
+// How many jobs are in each state; all states are there.
+std::map<JobState, std::uint64_t> count_merges(const Reader& db);
 
 // Takes a queued job for a worker: it becomes running, and the epoch that is returned its worker's. nullopt when it is
 // not queued (any more).

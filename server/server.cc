@@ -26,6 +26,7 @@
 #include "server/events/event_hub.h"
 #include "server/events/map_events.h"
 #include "server/events/merge_events.h"
+#include "server/events/merge_journal.h"
 #include "server/jobs/merge_jobs.h"
 #include "server/judge_worker.h"
 #include "server/maps/map_cache.h"
@@ -89,7 +90,8 @@ class Server::Impl {
         workers_(extract_threads(config), give_back_freed_memory),
         vocabularies_(store_),
         merge_events_(store_, events_),
-        jobs_(store_, job_options(config, merge_events_)),
+        journal_(store_, merge_events_, config.log_format),
+        jobs_(store_, job_options(config, journal_)),
         merges_(store_, jobs_, opener_),
         maps_(store_, opener_, vocabularies_, [this](std::int64_t merge) { merges_.remove(merge); }),
         masks_(store_, decoder()),
@@ -198,10 +200,27 @@ class Server::Impl {
       metrics_.add_gauge("decoders_replaced", "Processes that decoded images and died over one.",
                          [this] { return static_cast<double>(decoders_->replaced()); });
     }
+    metrics_.add_gauge("connections", "Open connections, idle ones too.",
+                       [this] { return static_cast<double>(http_.connections()); });
+    metrics_.add_gauge("event_streams", "Open streams of events.",
+                       [this] { return static_cast<double>(events_.streams()); });
+    metrics_.add_gauges("merges", "Merges by state.", "state", [this] { return merges_by_state(); });
+    metrics_.add_counter("merge_verifications_total", "Pairs that merges have verified since the start.",
+                         [this] { return static_cast<double>(journal_.totals().verifications); });
+    metrics_.add_counter("merge_edges_total", "Edges that merges have inserted since the start.",
+                         [this] { return static_cast<double>(journal_.totals().edges); });
     metrics_.add_gauge("edges_verified", "Edges of all maps, inner and inter edges, each once.",
                        [this] { return static_cast<double>(edges_verified_and_confirmed().first); });
     metrics_.add_gauge("edges_confirmed", "Of them, those that are edges of their maps.",
                        [this] { return static_cast<double>(edges_verified_and_confirmed().second); });
+  }
+
+  Metrics::Labelled merges_by_state() {
+    Metrics::Labelled merges;
+    for (const auto& [state, count] : count_merges(store_.read())) {
+      merges[std::string(to_string(state))] = static_cast<double>(count);
+    }
+    return merges;
   }
 
   std::pair<std::uint64_t, std::uint64_t> edges_verified_and_confirmed() {
@@ -231,6 +250,7 @@ class Server::Impl {
   VocabularyService vocabularies_;
   EventHub events_;
   MergeEvents merge_events_;
+  MergeJournal journal_;
   MergeJobs jobs_;
   MergeService merges_;
   MapService maps_;

@@ -6,6 +6,7 @@
 #include <spdlog/spdlog.h>
 
 #include "client/contract/json.h"
+#include "server/log.h"
 
 namespace mapweld::server {
 namespace {
@@ -39,18 +40,6 @@ Json who(const char* event, const FinishedRequest& request) {
           {"method", request.method.empty() ? "-" : request.method}};
 }
 
-// event=request request_id=... : the same names in both formats.
-std::string line_of(const Json& event, LogFormat format) {
-  if (format == LogFormat::kJson) return event.dump(-1, ' ', true, Json::error_handler_t::replace);
-  std::string line;
-  for (const auto& [name, value] : event.items()) {
-    if (!line.empty()) line += ' ';
-    const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
-    line += name + '=' + (text.find(' ') == std::string::npos ? text : '"' + text + '"');
-  }
-  return line;
-}
-
 }  // namespace
 
 AccessLog::AccessLog(LogFormat format) : format_(format), access_(logger_of("access")), audit_(logger_of("audit")) {}
@@ -65,14 +54,14 @@ void AccessLog::tell(const FinishedRequest& request) const {
     event["elapsed_ms"] = std::round(request.elapsed_s * 1e5) / 100;
     event["bytes_in"] = request.bytes_in;
     event["bytes_out"] = request.bytes_out;
-    access_->log(level, spdlog::string_view_t(line_of(event, format_)));
+    access_->log(level, spdlog::string_view_t(log_line(event, format_)));
   }
   if (is_change(request)) {
     Json event = who("change", request);
     event["path"] = request.path;
     if (!request.subject.empty()) event["subject"] = request.subject;
     event["status"] = request.status;
-    audit_->log(spdlog::level::info, spdlog::string_view_t(line_of(event, format_)));
+    audit_->log(spdlog::level::info, spdlog::string_view_t(log_line(event, format_)));
   }
 }
 

@@ -70,6 +70,12 @@ std::shared_ptr<EventStream> EventHub::listen(Filter filter, const std::optional
   return stream;
 }
 
+std::size_t EventHub::streams() const {
+  const std::lock_guard lock(mutex_);
+  return static_cast<std::size_t>(
+      std::ranges::count_if(listeners_, [](const Listener& listener) { return !listener.stream.expired(); }));
+}
+
 void EventHub::close() {
   const std::lock_guard lock(mutex_);
   closed_ = true;

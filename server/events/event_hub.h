@@ -51,6 +51,8 @@ class EventHub {
   std::shared_ptr<EventStream> listen(Filter filter, const std::optional<std::int64_t>& merge,
                                       const std::string& last_event_id, const std::vector<Event>& greeting = {});
 
+  std::size_t streams() const;  // open ones, but for those that have ended since the last event
+
   // Ends all streams, and those to come at once.
   void close();
 
@@ -75,7 +77,7 @@ class EventHub {
 
   const EventHubOptions options_;
   const Clock clock_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::uint64_t next_number_;
   std::deque<Kept> kept_;
   std::vector<Listener> listeners_;

@@ -1,6 +1,7 @@
 #include "server/http/http_server.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <random>
 #include <stdexcept>
@@ -74,6 +75,8 @@ class HttpServer::Impl {
     state_.id_prefix = entropy();
     tls_ = load_certificate();
   }
+
+  std::size_t connections() const { return open_; }
 
   int bind() {
     boost::system::error_code error;
@@ -199,10 +202,12 @@ class HttpServer::Impl {
    public:
     Listed(Impl& server, Connection& connection) : server_(server), connection_(connection) {
       server_.connections_.insert(&connection_);
+      server_.open_ = server_.connections_.size();
       if (server_.connections_.size() == 1) server_.sweep_timer_.cancel();
     }
     ~Listed() {
       server_.connections_.erase(&connection_);
+      server_.open_ = server_.connections_.size();
       if (server_.connections_.empty()) server_.sweep_timer_.cancel();
     }
     Listed(const Listed&) = delete;
@@ -257,6 +262,7 @@ class HttpServer::Impl {
   LoopState state_;
   std::shared_ptr<const TlsCredentials> tls_;  // null: none
   std::unordered_set<Connection*> connections_;
+  std::atomic<std::size_t> open_{0};  // as many, for other threads
   bool accepts_ = false;  // the coroutines of this name stand
   bool sweeps_ = false;
 };
@@ -264,6 +270,7 @@ class HttpServer::Impl {
 HttpServer::HttpServer(const HttpOptions& options, Router router, Metrics& metrics, Gate* gate)
     : impl_(std::make_unique<Impl>(options, std::move(router), metrics, gate)) {}
 HttpServer::~HttpServer() = default;
+std::size_t HttpServer::connections() const { return impl_->connections(); }
 int HttpServer::bind() { return impl_->bind(); }
 void HttpServer::serve() { impl_->serve(); }
 void HttpServer::reload_certificate() { impl_->reload_certificate(); }

@@ -32,6 +32,8 @@ class HttpServer {
   // and the former ones stay. Any thread; does nothing without TLS.
   void reload_certificate();
 
+  std::size_t connections() const;  // open ones; any thread
+
   // Stops taking connections; requests under way are finished, each with "Connection: close". Any thread; idempotent.
   void drain();
 

@@ -77,7 +77,18 @@ void Metrics::count_request(const std::string& method, const std::string& route,
 }
 
 void Metrics::add_gauge(std::string name, std::string help, std::function<double()> value) {
-  gauges_.push_back({std::move(name), std::move(help), std::move(value)});
+  asked_.push_back({std::move(name), std::move(help), "gauge", "", [value = std::move(value)] {
+                      return Labelled{{"", value()}};
+                    }});
+}
+
+void Metrics::add_counter(std::string name, std::string help, std::function<double()> value) {
+  add_gauge(std::move(name), std::move(help), std::move(value));
+  asked_.back().type = "counter";
+}
+
+void Metrics::add_gauges(std::string name, std::string help, std::string label, std::function<Labelled()> values) {
+  asked_.push_back({std::move(name), std::move(help), "gauge", std::move(label), std::move(values)});
 }
 
 std::string Metrics::prometheus_text() const {
@@ -109,9 +120,14 @@ std::string Metrics::prometheus_text() const {
              std::to_string(status) + "\"} " + number(request.sum_s) + "\n";
     }
   }
-  for (const Gauge& gauge : gauges_) {
-    head(out, "mapweld_" + gauge.name, gauge.help, "gauge");
-    out += "mapweld_" + gauge.name + " " + number(gauge.value()) + "\n";
+  for (const Asked& asked : asked_) {
+    const std::string name = "mapweld_" + asked.name;
+    head(out, name, asked.help, asked.type);
+    for (const auto& [value, amount] : asked.values()) {
+      out += name;
+      if (!asked.label.empty()) out.append("{").append(asked.label).append("=\"").append(value).append("\"}");
+      out += " " + number(amount) + "\n";
+    }
   }
   return out;
 }

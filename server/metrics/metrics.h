@@ -56,18 +56,25 @@ class Metrics {
 
   // A value that is asked for when it is shown. `name` without the prefix "mapweld_". Before the server starts.
   void add_gauge(std::string name, std::string help, std::function<double()> value);
+  // One that only grows; its name ends in "_total".
+  void add_counter(std::string name, std::string help, std::function<double()> value);
+  // Gauges of one name, told apart by a label: its value -> the number.
+  using Labelled = std::map<std::string, double>;
+  void add_gauges(std::string name, std::string help, std::string label, std::function<Labelled()> values);
 
   std::string prometheus_text() const;
 
  private:
   std::array<DurationSeries, kStages.size()> stages_;
 
-  struct Gauge {
+  struct Asked {
     std::string name;
     std::string help;
-    std::function<double()> value;
+    std::string type;
+    std::string label;  // empty: none, and one number under ""
+    std::function<Labelled()> values;
   };
-  std::vector<Gauge> gauges_;
+  std::vector<Asked> asked_;
 
   struct RequestCount {
     std::uint64_t count = 0;

@@ -2,11 +2,18 @@
 #include "server/server.h"
 
 #include <fstream>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <regex>
+#include <sstream>
 #include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <httplib.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 
 #include "client/contract/json.h"
 #include "schema/store_error.h"
@@ -20,6 +27,7 @@ namespace {
 using contract::Json;
 using server::Server;
 using server::ServerConfig;
+using ::testing::AnyOf;
 using ::testing::HasSubstr;
 
 class ServerTest : public ::testing::Test {
@@ -58,6 +66,60 @@ class Running {
   Server server_;
   std::thread thread_;
 };
+
+// The value of a series, as /metrics shows it; nothing where it is not shown.
+std::optional<double> series(const std::string& text, const std::string& name) {
+  const std::size_t at = text.find("\n" + name + " ");
+  if (at == std::string::npos) return std::nullopt;
+  return std::stod(text.substr(at + name.size() + 2));
+}
+
+TEST_F(ServerTest, MetricsAndLogSayWhatMergesDid) {
+  std::ostringstream lines;
+  spdlog::drop("merges");
+  spdlog::register_logger(
+      std::make_shared<spdlog::logger>("merges", std::make_shared<spdlog::sinks::ostream_sink_mt>(lines)));
+  const Running running(config());
+  auto http = running.client();
+  for (const std::string map : {"a", "b"}) {
+    http.Post("/v1/maps", R"({"name":")" + map + "\"}", "application/json");
+    for (int step = 0; step < 4; ++step) {
+      http.Post("/v1/maps/" + map + "/images?name=" + std::to_string(step), photo_jpeg(1, step), "image/jpeg");
+    }
+  }
+  http.Post("/v1/merges", R"({"maps":["a","b"],"name":"ab"})", "application/json");
+  Json merge = Json::object();
+  for (int i = 0; i < 300 && merge.value("state", "") != "completed"; ++i) {
+    merge = Json::parse(http.Get("/v1/merges/1")->body);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  const std::string text = http.Get("/metrics")->body;
+  EXPECT_EQ(series(text, "mapweld_merges{state=\"completed\"}"), 1.0);
+  EXPECT_EQ(series(text, "mapweld_merges{state=\"failed\"}"), 0.0);
+  EXPECT_GT(merge["edges"].get<double>(), 0);
+  EXPECT_EQ(series(text, "mapweld_merge_edges_total"), merge["edges"].get<double>());
+  EXPECT_EQ(series(text, "mapweld_merge_verifications_total"), merge["candidates"]["verified"].get<double>());
+  EXPECT_GE(series(text, "mapweld_connections").value_or(0), 1.0);
+  EXPECT_EQ(series(text, "mapweld_event_streams"), 0.0);
+  EXPECT_THAT(lines.str(), HasSubstr("event=merge merge=1 map=ab method=spectral state=running"));
+  EXPECT_THAT(lines.str(), HasSubstr("state=completed verifications=" + merge["candidates"]["verified"].dump()));
+  spdlog::drop("merges");
+
+  // The dashboard asks for nothing that is not there.
+  std::ifstream in(MAPWELD_SOURCE_DIR "/docker/grafana.json");
+  const std::string dashboard((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  const Json panels = Json::parse(dashboard)["panels"];
+  EXPECT_GE(panels.size(), 8u);
+  const std::regex name("mapweld_[a-z_]+");
+  for (const Json& panel : panels) {
+    for (const Json& target : panel["targets"]) {
+      const std::string expression = target["expr"];
+      for (std::sregex_iterator found(expression.begin(), expression.end(), name), end; found != end; ++found) {
+        EXPECT_THAT(text, AnyOf(HasSubstr("\n" + found->str() + " "), HasSubstr("\n" + found->str() + "{")));
+      }
+    }
+  }
+}
 
 TEST_F(ServerTest, KeepsEverythingOverARestart) {
   {
