@@ -3,6 +3,7 @@
 #include <cctype>
 #include <fstream>
 #include <iterator>
+#include <regex>
 #include <set>
 #include <string>
 
@@ -49,6 +50,34 @@ TEST(ApiDescription, OpenapiDescribesWhatThereIs) {
     routed.insert(line);
   }
   EXPECT_EQ(described, routed);
+}
+
+// docs/calls.md shows every path with its method.
+TEST(ApiDescription, EveryCallHasAnExample) {
+  ApiUnderTest api;
+  server::Router router;
+  std::set<std::string> routed;
+  for (const server::Route& route : api.routes()) {
+    routed.insert(route.method + " " + route.pattern);
+    router.add(route);
+  }
+  std::ifstream in(MAPWELD_SOURCE_DIR "/docs/calls.md");
+  const std::string page((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  const std::regex call(R"(curl [^\n]*?\$S(/[^\s"?)]*)[^\n]*)");
+  std::set<std::string> shown;
+  for (std::sregex_iterator found(page.begin(), page.end(), call), end; found != end; ++found) {
+    const std::string line = found->str();
+    const std::string path = std::regex_replace((*found)[1].str(), std::regex(R"(\$\w+)"), "1");
+    std::smatch named;
+    std::string method = "GET";
+    if (std::regex_search(line, std::regex(" (-d|--data-binary|-F|.-F) "))) method = "POST";
+    if (line.find("/batch ") != std::string::npos) method = "POST";
+    if (std::regex_search(line, named, std::regex(" -X ([A-Z]+)"))) method = named[1];
+    const server::Router::Match match = router.match(method, path);
+    ASSERT_NE(match.route, nullptr) << line;
+    shown.insert(method + " " + match.route->pattern);
+  }
+  EXPECT_EQ(shown, routed);
 }
 
 // docs/http-api.md lists every code with its status.
