@@ -65,6 +65,12 @@ std::vector<VocabularyRow> list_vocabularies(const Reader& db, std::size_t limit
   return vocabularies;
 }
 
+bool delete_vocabulary(WriteTransaction& db, VocabularyId id) {
+  if (db.prepare("SELECT 1 FROM maps WHERE vocabulary = ? LIMIT 1").bind(1, id).step()) return false;
+  db.prepare("DELETE FROM vocabularies WHERE id = ?").bind(1, id).run();  // its file by cascade
+  return true;
+}
+
 std::vector<std::uint8_t> load_vocabulary_file(const Reader& db, VocabularyId id) {
   const auto vocabulary = find_vocabulary(db, id);
   std::vector<std::uint8_t> file;

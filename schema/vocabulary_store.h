@@ -1,4 +1,4 @@
-// Table `vocabularies`: the visual vocabularies that maps quantise with. Immutable once stored.
+// Table `vocabularies`: the visual vocabularies that maps quantise with. Never changed once stored.
 #pragma once
 
 #include <cstdint>
@@ -39,6 +39,9 @@ std::optional<VocabularyRow> find_vocabulary(const Reader& db, VocabularyId id);
 // Up to `limit` vocabularies in order of id, those after `after`.
 std::vector<VocabularyRow> list_vocabularies(const Reader& db, std::size_t limit,
                                              std::optional<VocabularyId> after = {});
+
+// Deletes a vocabulary with its file. False, and nothing changed, while a map is made with it.
+bool delete_vocabulary(WriteTransaction& db, VocabularyId id);
 
 // The file as it was stored. Throws kCorrupt when a piece is missing.
 std::vector<std::uint8_t> load_vocabulary_file(const Reader& db, VocabularyId id);

@@ -44,6 +44,7 @@ inline constexpr std::array kCodes = {
     CodeEntry{"wrong_map", 409, "The map is another one than expected"},
     CodeEntry{"map_in_use", 409, "A merge uses the map"},
     CodeEntry{"map_is_merged", 409, "The map is a merged map"},
+    CodeEntry{"vocabulary_in_use", 409, "Maps are made with the vocabulary"},
     CodeEntry{"vocabulary_mismatch", 409, "The maps have different vocabularies"},
     CodeEntry{"wrong_state", 409, "It is in a state that does not allow this"},
     CodeEntry{"nothing_to_resume", 409, "The merge is complete and no member has grown"},

@@ -22,6 +22,14 @@ void add_vocabulary_routes(Router& router, const Services& services) {
               .handler = [&vocabularies](const Request& request) {
                 return tagged_by_content(json_reply(200, vocabularies.get(request.parameter("vocabulary"))));
               }});
+  router.add({.method = "DELETE",
+              .pattern = "/v1/vocabularies/{vocabulary}",
+              .role = Role::kAdmin,
+              .body = BodyRule::kOptional,
+              .handler = [&vocabularies](const Request& request) {
+                vocabularies.remove(request.parameter("vocabulary"));
+                return no_content();
+              }});
   router.add({.method = "POST",
               .pattern = "/v1/vocabularies",
               .role = Role::kAdmin,

@@ -73,6 +73,22 @@ VocabularyRow VocabularyService::insert(const std::string& name, std::span<const
   return row;
 }
 
+void VocabularyService::remove(const std::string& name) {
+  {
+    WriteTransaction db = store_.write(Store::Purpose::kDelete);
+    const VocabularyRow row = resolve(db, name);
+    if (!delete_vocabulary(db, row.id)) {
+      throw ContractError("vocabulary_in_use", "There are maps made with \"" + name + "\"; delete them first.");
+    }
+    db.commit();
+    const std::lock_guard lock(mutex_);
+    loaded_.erase(row.id);
+    if (default_name_ != name) return;
+    default_name_.reset();
+  }
+  set_default_from_store();
+}
+
 void VocabularyService::set_default(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   const std::vector<std::uint8_t> file((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());

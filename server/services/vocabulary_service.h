@@ -30,6 +30,10 @@ class VocabularyService {
   // Stores a vocabulary file under a name. invalid_name, name_taken, invalid_vocabulary.
   contract::Vocabulary add(const std::string& name, std::span<const std::uint8_t> file);
 
+  // no_such_vocabulary; vocabulary_in_use while a map is made with it. When it was the default, the store's first one
+  // is from now on.
+  void remove(const std::string& name);
+
   // The vocabulary of maps that name none. Takes in the file when the store does not have it yet (by its content);
   // its name is then the file's, without extension. Throws std::runtime_error when the file cannot be read or is none.
   void set_default(const std::filesystem::path& file);

@@ -28,6 +28,27 @@ TEST(VocabularyService, TellsWhatThereIs) {
   EXPECT_EQ(second.next_cursor, std::nullopt);
 }
 
+TEST(VocabularyService, OneThatNobodyUsesCanGo) {
+  ServicesUnderTest services;
+  const auto remove = [&](const std::string& name) { return code_of([&] { services.vocabularies().remove(name); }); };
+  services.create_map("a");
+  EXPECT_EQ(remove("words"), "vocabulary_in_use");
+  EXPECT_EQ(remove("nothing"), "no_such_vocabulary");
+  services.upload("a", "0", photo_jpeg(1, 0));  // it is there as before
+  services.maps().remove("a");
+  services.vocabularies().add("other", small_vocabulary().serialize());
+  EXPECT_EQ(remove("words"), "none");
+  EXPECT_EQ(remove("words"), "no_such_vocabulary");
+  services.create_map("b");  // the default is the one that is left
+  EXPECT_EQ(services.maps().get("b").vocabulary, "other");
+  services.maps().remove("b");
+  EXPECT_EQ(remove("other"), "none");
+  EXPECT_EQ(code_of([&] { services.create_map("c"); }), "no_such_vocabulary");
+  EXPECT_EQ(services.store().read().connection().query_integer("SELECT count(*) FROM vocabulary_chunks"), 0);
+  services.vocabularies().add("words", small_vocabulary().serialize());  // its name is free again
+  services.create_map("c");
+}
+
 TEST(VocabularyService, BrokenFilesChangeNothing) {
   ServicesUnderTest services;
   const std::string stored = dump_store(services.store());
