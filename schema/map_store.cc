@@ -1,6 +1,7 @@
 #include "schema/map_store.h"
 
 #include <algorithm>
+#include <map>
 
 #include "schema/rows.h"
 
@@ -143,9 +144,34 @@ std::vector<MapRow> list_merged_over(const Reader& db, MapId map) {
   return maps;
 }
 
-bool set_labels(WriteTransaction& db, MapId map, std::string_view labels) {
-  db.prepare("UPDATE maps SET labels = ? WHERE id = ?").bind_all(labels, map).run();
-  return db.connection().changes() > 0;
+std::vector<MapRow> list_all_merged_over(const Reader& db, MapId map) {
+  std::map<MapId, MapRow> found;
+  std::vector<MapId> open = {map};
+  while (!open.empty()) {
+    const MapId of = open.back();
+    open.pop_back();
+    for (MapRow& merged : list_merged_over(db, of)) {
+      const MapId id = merged.id;
+      if (found.emplace(id, std::move(merged)).second) open.push_back(id);
+    }
+  }
+  std::vector<MapRow> all;
+  for (auto& [id, row] : found) all.push_back(std::move(row));
+  return all;
+}
+
+bool change_map(WriteTransaction& db, MapId map, std::string_view name, std::string_view labels,
+                std::string_view parameters) {
+  const std::optional<MapRow> before = find_map(db, map);
+  if (!before) return false;
+  db.prepare("UPDATE maps SET name = ?2, labels = ?3, parameters = ?4, revision = revision + 1 WHERE id = ?1")
+      .bind_all(map, name, labels, parameters)
+      .run();
+  if (before->name == name) return true;
+  for (const MapRow& merged : list_all_merged_over(db, map)) {
+    db.prepare("UPDATE maps SET revision = revision + 1 WHERE id = ?").bind(1, merged.id).run();
+  }
+  return true;
 }
 
 DeleteOutcome delete_map(WriteTransaction& db, MapId map) {

@@ -67,9 +67,13 @@ std::vector<MemberRow> list_members(const Reader& db, MapId merged);
 
 // The merged maps that name `map` as a member, in order of id.
 std::vector<MapRow> list_merged_over(const Reader& db, MapId map);
+// The same of all levels of merging.
+std::vector<MapRow> list_all_merged_over(const Reader& db, MapId map);
 
-// Changes the labels (JSON object). False when there is no such map.
-bool set_labels(WriteTransaction& db, MapId map, std::string_view labels);
+// Changes the name, which must be free, the labels and the parameters (JSON objects). Its revision grows, and with
+// another name those of the merged maps over it, of all levels. False when there is no such map.
+bool change_map(WriteTransaction& db, MapId map, std::string_view name, std::string_view labels,
+                std::string_view parameters);
 
 enum class DeleteOutcome : std::uint8_t { kDeleted, kNotFound, kInUse };
 

@@ -53,6 +53,22 @@ struct CreateMap {
 // (invalid_parameter) for the rest; the detail names the field and its range.
 void check(const CreateMap& request);
 
+// PATCH /v1/maps/{map}: what is absent stays as it is.
+struct ChangeMap {
+  std::optional<std::string> name;
+  std::optional<std::map<std::string, std::string>> labels;  // all of them
+  std::optional<MapParameters> parameters;                   // those that change
+  static constexpr auto fields() {
+    using C = ChangeMap;
+    return std::tuple(omitted_when_empty("name", &C::name), omitted_when_empty("labels", &C::labels),
+                      omitted_when_empty("parameters", &C::parameters));
+  }
+  friend bool operator==(const ChangeMap&, const ChangeMap&) = default;
+};
+
+// The same of a request to change one.
+void check(const ChangeMap& request);
+
 // A member of a merged map, with how many of its vertices the merge has taken in.
 struct MapMember {
   std::string map;

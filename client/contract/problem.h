@@ -67,6 +67,7 @@ inline constexpr std::array kCodes = {
     CodeEntry{"unknown_method", 422, "There is no merge method of this name"},
     CodeEntry{"invalid_budget", 422, "The budget is not valid"},
     CodeEntry{"invalid_parameter", 422, "A field or parameter has an invalid value"},
+    CodeEntry{"immutable_parameter", 422, "The parameter cannot be changed any more"},
     CodeEntry{"invalid_vocabulary", 422, "The bytes are not a vocabulary"},
     CodeEntry{"damaged_file", 422, "The file is damaged, or is not what it should be"},
 

@@ -73,6 +73,19 @@ void add_map_routes(Router& router, const Services& services) {
               .role = Role::kRead,
               .handler = tagged(
                   [&maps](const Request& request) { return json_reply(200, maps.get(request.parameter("map"))); })});
+  router.add({.method = "PATCH",
+              .pattern = "/v1/maps/{map}",
+              .role = Role::kWrite,
+              .body = BodyRule::kRequired,
+              .json_body = true,
+              .handler = [&maps, &events](const Request& request) {
+                const auto map =
+                    maps.change(request.parameter("map"),
+                                contract::read_request<contract::ChangeMap>(contract::parse_json(request.body)),
+                                request.caller.get());
+                tell_map(events, map.name, "changed");
+                return json_reply(200, map);
+              }});
   router.add({.method = "DELETE",
               .pattern = "/v1/maps/{map}",
               .role = Role::kWrite,

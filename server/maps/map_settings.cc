@@ -23,6 +23,12 @@ MapSettings settings_of(const MapRow& map) {
   return settings_of(contract::parse_json(map.parameters).get<contract::MapParameters>());
 }
 
+MapSettings changed(const MapSettings& before, const contract::MapParameters& requested) {
+  contract::Json all = describe(before);
+  all.update(contract::Json(requested));
+  return settings_of(all.get<contract::MapParameters>());
+}
+
 contract::MapParameters describe(const MapSettings& settings) {
   const MapParameters& p = settings.parameters;
   return {.max_features = p.max_features,

@@ -20,6 +20,9 @@ MapSettings settings_of(const contract::MapParameters& requested);
 // Of a stored map; what its row does not say has its default.
 MapSettings settings_of(const MapRow& map);
 
+// With what the request says put in place of what was; the rest stays. The request has been checked.
+MapSettings changed(const MapSettings& before, const contract::MapParameters& requested);
+
 // As JSON for a row, and for an answer: every field there.
 contract::MapParameters describe(const MapSettings& settings);
 std::string to_row(const MapSettings& settings);

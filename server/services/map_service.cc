@@ -50,6 +50,28 @@ double static_share_of(const Reader& db, const MapRow& map, const MapLayout& lay
   return layout.vertices() == 0 ? 0 : sum / layout.vertices();
 }
 
+void require_consistent(const MapSettings& settings) {
+  if (settings.parameters.min_inliers > settings.parameters.max_inliers) {
+    throw ContractError("invalid_parameter", "\"parameters.min_inliers\" must not exceed \"parameters.max_inliers\".");
+  }
+}
+
+// What images were taken in by, and edges made by, stays: it would no longer be true of them.
+void require_mutable(const MapSettings& before, const MapSettings& after) {
+  const MapParameters& a = before.parameters;
+  const MapParameters& b = after.parameters;
+  for (const auto& [name, stays] : {std::pair("max_features", a.max_features == b.max_features),
+                                    {"votes", a.votes == b.votes},
+                                    {"min_votes", a.min_votes == b.min_votes},
+                                    {"min_inliers", a.min_inliers == b.min_inliers}}) {
+    if (stays) continue;
+    throw ContractError(
+        "immutable_parameter",
+        "\"parameters." + std::string(name) + "\" is settled when a map is made: its images and edges rest on it.");
+  }
+  require_consistent(after);
+}
+
 EdgeCursor parse_edge_cursor(const std::optional<std::string>& cursor) {
   if (!cursor) return {};
   const std::size_t dash = cursor->find('-');
@@ -70,9 +92,7 @@ contract::Map MapService::create(const contract::CreateMap& request, const Calle
   map.uuid = request.uuid.value_or(make_uuid());
   std::ranges::transform(map.uuid, map.uuid.begin(), [](unsigned char c) { return std::tolower(c); });
   const MapSettings settings = settings_of(request.parameters.value_or(contract::MapParameters{}));
-  if (settings.parameters.min_inliers > settings.parameters.max_inliers) {
-    throw ContractError("invalid_parameter", "\"parameters.min_inliers\" must not exceed \"parameters.max_inliers\".");
-  }
+  require_consistent(settings);
   map.parameters = to_row(settings);
   if (request.labels) map.labels = labels_to_row(*request.labels);
   map.created_at = now();
@@ -87,6 +107,31 @@ contract::Map MapService::create(const contract::CreateMap& request, const Calle
   contract::Map created = describe(db, find_map(db, id).value());
   db.commit();
   return created;
+}
+
+contract::Map MapService::change(const std::string& name, const contract::ChangeMap& request, const Caller* caller) {
+  contract::check(request);
+  if (request.name) require_use(caller, *request.name);
+  WriteTransaction db = store_.write();
+  const MapRow map = require_map(db, name);
+  const std::string new_name = request.name.value_or(map.name);
+  if (new_name != map.name && find_map(db, new_name)) {
+    throw ContractError("name_taken", "There is a map named \"" + new_name + "\" already.");
+  }
+  const std::string labels = request.labels ? labels_to_row(*request.labels) : map.labels;
+  std::string parameters = map.parameters;
+  if (request.parameters) {
+    const MapSettings before = settings_of(map);
+    const MapSettings after = changed(before, *request.parameters);
+    require_mutable(before, after);
+    if (mapweld::server::describe(after) != mapweld::server::describe(before)) parameters = to_row(after);
+  }
+  if (new_name != map.name || labels != map.labels || parameters != map.parameters) {
+    change_map(db, map.id, new_name, labels, parameters);
+  }
+  contract::Map now = describe(db, require_map(db, new_name));
+  db.commit();
+  return now;
 }
 
 contract::Map MapService::get(const std::string& name) const {

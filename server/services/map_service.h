@@ -46,6 +46,9 @@ class MapService {
   // forbidden.
   contract::Map create(const contract::CreateMap& request, const Caller* caller = nullptr);
   contract::Map get(const std::string& name) const;
+  // What the request leaves out stays as it is. invalid_name, name_taken, invalid_parameter; immutable_parameter for
+  // what the images that are stored were taken in by; forbidden for a name that the caller may not use.
+  contract::Map change(const std::string& name, const contract::ChangeMap& request, const Caller* caller = nullptr);
   // Those that the caller may use.
   contract::Page<contract::Map> list(const PageRequest& page, const Caller* caller = nullptr) const;
   // Deleting a merged map deletes its merge. map_in_use while a merged map names it.

@@ -52,8 +52,8 @@ TEST_F(MapStoreTest, AMapComesBackAsItWasStored) {
   NewMap map = test::new_map("lab-a", vocabulary_);
   WriteTransaction db = store_.write();
   const MapId id = insert_map(db, map);
-  EXPECT_TRUE(set_labels(db, id, R"({"robot":"p3at-2"})"));
-  EXPECT_FALSE(set_labels(db, MapId{99}, "{}"));
+  EXPECT_TRUE(change_map(db, id, "lab-a", R"({"robot":"p3at-2"})", find_map(db, id)->parameters));
+  EXPECT_FALSE(change_map(db, MapId{99}, "lab-b", "{}", "{}"));
   db.commit();
   store_.reopen();
   const ReadTransaction reader = store_.read();

@@ -91,6 +91,9 @@ TEST_F(AccessApi, AKeyForSomeMapsSeesAndMergesThoseOnly) {
   EXPECT_EQ(api_.ask("POST", "/v1/maps/lab-a/localize", bearer(lab), photo_jpeg(1, 0)).status, 200);
   EXPECT_EQ(api_.ask("POST", "/v1/maps", bearer(lab), R"({"name":"hall-c"})").code(), "forbidden");
   EXPECT_EQ(api_.ask("POST", "/v1/maps", bearer(lab), R"({"name":"lab-d"})").status, 201);
+  EXPECT_EQ(api_.ask("PATCH", "/v1/maps/lab-d", bearer(lab), R"({"name":"hall-d"})").code(), "forbidden");
+  EXPECT_EQ(api_.ask("PATCH", "/v1/maps/hall-a", bearer(lab), R"({"name":"lab-h"})").code(), "forbidden");
+  EXPECT_EQ(api_.ask("PATCH", "/v1/maps/lab-d", bearer(lab), R"({"name":"lab-e"})").status, 200);
 
   const auto merge = [&](const std::string& key, const std::string& body) {
     return api_.ask("POST", "/v1/merges", bearer(key), body);

@@ -394,5 +394,16 @@ TEST(Api, AMapsMask) {
   EXPECT_EQ(api.del("/v1/maps/a/mask").status, 204) << "as asked: there is none";
 }
 
+TEST(Api, AMapIsRenamed) {
+  ApiUnderTest api;
+  api.post("/v1/maps", R"({"name":"lab"})");
+  const Answer renamed = api.ask("PATCH", "/v1/maps/lab", {}, R"({"name":"hall","labels":{"floor":"2"}})");
+  EXPECT_EQ(renamed.status, 200);
+  EXPECT_EQ(renamed.json(), api.get("/v1/maps/hall").json());
+  EXPECT_EQ(renamed.json()["labels"]["floor"], "2");
+  EXPECT_EQ(api.get("/v1/maps/lab").code(), "no_such_map");
+  EXPECT_EQ(api.ask("PATCH", "/v1/maps/hall", {}, R"({"parameters":{"votes":"min"}})").status, 422);
+}
+
 }  // namespace
 }  // namespace mapweld::test

@@ -86,6 +86,7 @@ TEST(OpenApi, SchemasHaveTheFieldsOfTheDocuments) {
   expect_fields<MapParameters>(schemas["MapParameters"], "MapParameters");
   expect_fields<CreateMap>(schemas["CreateMap"], "CreateMap");
   expect_fields<MergeParameters>(schemas["MergeParameters"], "MergeParameters");
+  expect_fields<ChangeMap>(schemas["ChangeMap"], "ChangeMap");
   expect_fields<SubmitMerge>(schemas["SubmitMerge"], "SubmitMerge");
   expect_fields<RunMerge>(schemas["RunMerge"], "RunMerge");
   expect_fields<Budget>(schemas["Budget"], "Budget");

@@ -91,6 +91,57 @@ TEST(MapService, BrokenRequestsChangeNothing) {
   EXPECT_EQ(dump_store(services.store()), stored);
 }
 
+contract::ChangeMap changing(const std::string& body) {
+  return contract::read_request<contract::ChangeMap>(contract::parse_json(body));
+}
+
+TEST(MapService, WhatAChangeLeavesOutStays) {
+  ServicesUnderTest services;
+  contract::CreateMap request = named("lab");
+  request.labels = {{"robot", "p3at-1"}, {"floor", "2"}};
+  request.parameters.emplace().max_inliers = 300;
+  contract::Map expected = services.maps().create(request);
+  services.create_map("other");
+
+  contract::Map changed = services.maps().change("lab", changing(R"({"parameters":{"verify_top":7}})"));
+  expected.parameters.verify_top = 7;
+  ++expected.revision;
+  EXPECT_EQ(changed, expected);
+  changed = services.maps().change("lab", changing(R"({"name":"hall","labels":{"robot":"p3at-2"}})"));
+  expected.name = "hall";
+  expected.labels = {{"robot", "p3at-2"}};
+  ++expected.revision;
+  EXPECT_EQ(changed, expected);
+  EXPECT_EQ(code_of([&] { services.maps().get("lab"); }), "no_such_map");
+  services.restart();
+  EXPECT_EQ(services.maps().get("hall"), expected);
+  EXPECT_EQ(services.maps().change("hall", changing(R"({"name":"hall","parameters":{"max_features":500}})")), expected)
+      << "nothing is changed";
+  services.create_map("lab");  // the name is free
+}
+
+TEST(MapService, AChangeThatCannotBeChangesNothing) {
+  ServicesUnderTest services;
+  services.create_map("lab");
+  services.create_map("other");
+  const std::string stored = dump_store(services.store());
+  const auto code = [&](const std::string& body) {
+    return code_of([&] { services.maps().change("lab", changing(body)); });
+  };
+  EXPECT_EQ(code(R"({"name":"other","labels":{"a":"b"}})"), "name_taken");
+  EXPECT_EQ(code(R"({"name":"../etc"})"), "invalid_name");
+  EXPECT_EQ(code(R"({"uuid":"a0eebc99-9c0b-4ef8-bb6d-6bb9bd380a11"})"), "unknown_field");
+  EXPECT_EQ(code(R"({"parameters":{"verify_bottom":1}})"), "unknown_field");
+  EXPECT_EQ(code(R"({"parameters":{"verify_top":0}})"), "invalid_parameter");
+  EXPECT_EQ(code(R"({"parameters":{"max_inliers":3}})"), "invalid_parameter") << "less than min_inliers";
+  for (const char* parameter :
+       {R"("max_features":400)", R"("votes":"min")", R"("min_votes":4)", R"("min_inliers":11)"}) {
+    EXPECT_EQ(code(std::string(R"({"labels":{"a":"b"},"parameters":{)") + parameter + "}}"), "immutable_parameter");
+  }
+  EXPECT_EQ(code_of([&] { services.maps().change("none", changing("{}")); }), "no_such_map");
+  EXPECT_EQ(dump_store(services.store()), stored);
+}
+
 TEST(MapService, ListsComeInPages) {
   ServicesUnderTest services;
   for (int i = 0; i < 5; ++i) services.create_map("map-" + std::to_string(i));
