@@ -71,6 +71,8 @@ void insert_edges(WriteTransaction& db, MapId map, std::span<const NewEdge> edge
   // (row_checksums.h).
   std::int64_t id = db.connection().query_integer(
       "SELECT max(ifnull((SELECT seq FROM sqlite_sequence WHERE name = 'edges'), 0), ifnull(max(id), 0)) FROM edges");
+  sqlite::Statement is_deleted = db.prepare(
+      "SELECT 1 FROM images INDEXED BY images_deleted WHERE map = ? AND vertex = ? AND deleted_at_us IS NOT NULL");
   sqlite::Statement insert = db.prepare(
       "INSERT INTO edges (id, map, u, v, votes, matches, inliers, log10_false_alarms, evidence, verifier, confirmed, "
       "doubt, job, verifications, elapsed_s, confidence, judgement, checksum) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, "
@@ -79,6 +81,14 @@ void insert_edges(WriteTransaction& db, MapId map, std::span<const NewEdge> edge
       "?12, ?13, ?14, ?15, ?16, ?17))");
   for (const NewEdge& edge : edges) {
     if (to_index(edge.v) >= vertices) throw StoreError(StoreErrorKind::kConstraint, "an edge leaves its map");
+    if (!job) {
+      for (const VertexId end : {edge.u, edge.v}) {
+        if (is_deleted.bind_all(map, end).step()) {
+          throw StoreError(StoreErrorKind::kConstraint, "an edge of an image that was deleted");
+        }
+        is_deleted.reset();
+      }
+    }
     const Verification& verdict = edge.verification;
     const blobs::Bytes evidence = blobs::encode_evidence(verdict);
     const JudgementColumns judgement(edge.judgement);
@@ -98,7 +108,9 @@ void delete_inter_edges(WriteTransaction& db, MapId merged) {
   if (db.connection().changes() == 0) {
     throw StoreError(StoreErrorKind::kConstraint, "inter edges belong to merged maps");
   }
-  db.prepare("DELETE FROM edges WHERE map = ?").bind(1, merged).run();
+  for (const char* table : {"edges", "deleted_edges"}) {
+    db.prepare("DELETE FROM " + std::string(table) + " WHERE map = ?").bind(1, merged).run();
+  }
 }
 
 std::vector<EdgeRow> list_merge_edges(const Reader& db, JobId job, std::size_t limit, std::optional<EdgeId> after) {
@@ -111,9 +123,12 @@ std::vector<EdgeRow> list_merge_edges(const Reader& db, JobId job, std::size_t l
 }
 
 std::vector<NewEdge> load_merge_edges(const Reader& db, JobId job) {
-  sqlite::Statement row = db.prepare(
-      "SELECT u, v, votes, matches, inliers, log10_false_alarms, evidence, verifications, elapsed_s, confidence, "
-      "doubt, judgement FROM edges INDEXED BY edges_by_job WHERE job = ? ORDER BY id");
+  constexpr std::string_view kOfBoth =
+      "u, v, votes, matches, inliers, log10_false_alarms, evidence, verifications, elapsed_s, confidence, doubt, "
+      "judgement, id FROM ";
+  sqlite::Statement row =
+      db.prepare("SELECT " + std::string(kOfBoth) + "edges INDEXED BY edges_by_job WHERE job = ?1 UNION ALL SELECT " +
+                 std::string(kOfBoth) + "deleted_edges INDEXED BY deleted_edges_by_job WHERE job = ?1 ORDER BY id");
   row.bind(1, job);
   std::vector<NewEdge> edges;
   while (row.step()) {

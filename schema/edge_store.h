@@ -41,11 +41,13 @@ struct NewEdge {
 VerifierId intern_verifier(WriteTransaction& db, std::string_view version, std::string_view parameters);
 
 // Appends edges to a map, in the order given; inter edges when `job` is given. An edge that the map has already is a
-// broken request (kConstraint). vertex_store.h and merge_store.h call this; both keep the map's counters.
+// broken request (kConstraint), as is an inner one of a deleted vertex. vertex_store.h and merge_store.h call this;
+// both keep the map's counters.
 void insert_edges(WriteTransaction& db, MapId map, std::span<const NewEdge> edges, VerifierId verifier,
                   std::optional<JobId> job);
 
-// Takes all its inter edges from a merged map, whose counters begin again at 0. Its revision grows.
+// Takes all its inter edges from a merged map, those of deleted vertices too, whose counters begin again at 0. Its
+// revision grows.
 void delete_inter_edges(WriteTransaction& db, MapId merged);
 
 struct EdgeRow {
@@ -90,8 +92,8 @@ EdgePage list_edges(const Reader& db, const MapLayout& layout, const EdgeFilter&
 // The inter edges of a merge in order of insertion, those after `after`.
 std::vector<EdgeRow> list_merge_edges(const Reader& db, JobId job, std::size_t limit, std::optional<EdgeId> after = {});
 
-// The inter edges of a merge with all their evidence, in order of insertion: what the merge goes on from. Throws
-// StoreError kCorrupt when a blob is damaged.
+// The inter edges of a merge with all their evidence, those of deleted vertices too, in order of insertion: what the
+// merge goes on from. Throws StoreError kCorrupt when a blob is damaged.
 std::vector<NewEdge> load_merge_edges(const Reader& db, JobId job);
 
 // All edges that a map shows, for building its graph; in the order of list_edges.

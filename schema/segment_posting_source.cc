@@ -22,6 +22,7 @@ struct OpenSegment {
 // What a leaf span shows of its leaf: segments, then the newest vertices.
 struct OpenSpan {
   MapLayout::LeafSpan span;
+  VertexSet absent;  // of the leaf
   std::vector<OpenSegment> segments;
   SegmentPostings newest;
 };
@@ -67,6 +68,7 @@ SegmentPostingSource::SegmentPostingSource(const Reader& db, const MapLayout& la
   for (const MapLayout::LeafSpan& span : layout.leaf_spans()) {
     OpenSpan& open = parts_->spans.emplace_back();
     open.span = span;
+    open.absent = absent_vertices(db, span.leaf, span.leaf_first, span.count);
     const std::uint32_t begin = to_index(span.leaf_first);
     const std::uint32_t end = begin + span.count;
     std::uint32_t next = begin;
@@ -94,6 +96,7 @@ void SegmentPostingSource::visit(WordId word, const Visitor& visitor) const {
     found.clear();
     for (OpenSegment& segment : open.segments) find_in(parts_->db, segment, word, found);
     find_in(open.newest, word, found);
+    remove_postings(found, open.absent);
     // Segments may reach beyond the span at both its ends.
     const VertexId first = open.span.leaf_first, end{to_index(first) + open.span.count};
     const PostingSpan part = PostingSpan(found).between(first, end);

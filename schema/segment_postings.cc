@@ -28,8 +28,15 @@ std::optional<SegmentPostings> invert_appearances(const Reader& db, MapId map, V
       "ORDER BY vertex");
   const std::uint64_t begin = to_index(first);
   row.bind_all(map, begin, begin + count, vocabulary);
-  for (std::uint64_t next = begin; row.step(); ++next) {
-    if (static_cast<std::uint64_t>(row.integer(0)) != next) return std::nullopt;
+  const VertexSet purged = purged_vertices(db, map);
+  const auto pass_over_purged = [&] {
+    while (ends.size() < count && purged.contains(VertexId{static_cast<std::uint32_t>(begin + ends.size())})) {
+      ends.push_back(all.words.size());
+    }
+  };
+  while (row.step()) {
+    pass_over_purged();
+    if (static_cast<std::uint64_t>(row.integer(0)) != begin + ends.size()) return std::nullopt;
     blobs::decode_indexed(row.blob(1), image);
     if (!image.words.empty() && to_index(image.words.back()) >= posted.size()) {
       posted.resize(std::size_t{to_index(image.words.back())} + 1);
@@ -39,6 +46,7 @@ std::optional<SegmentPostings> invert_appearances(const Reader& db, MapId map, V
     all.signatures.insert(all.signatures.end(), image.signatures.begin(), image.signatures.end());
     ends.push_back(all.words.size());
   }
+  pass_over_purged();
   if (ends.size() != count) return std::nullopt;
 
   SegmentPostings segment{first, count, {}, {}, {}};
@@ -123,6 +131,35 @@ SegmentPostings cut(const SegmentPostings& segment, VertexId first, std::uint32_
   }
   part.offsets.push_back(static_cast<std::uint32_t>(part.postings.size()));
   return part;
+}
+
+SegmentPostings without(SegmentPostings segment, const VertexSet& vertices) {
+  if (vertices.empty()) return segment;
+  SegmentPostings left{segment.first, segment.count, {}, {}, {}};
+  PostingList of_word;
+  for (std::size_t i = 0; i < segment.words.size(); ++i) {
+    of_word.clear();
+    of_word.append(segment.of(i));
+    remove_postings(of_word, vertices);
+    if (of_word.size() == 0) continue;
+    left.words.push_back(segment.words[i]);
+    left.offsets.push_back(static_cast<std::uint32_t>(left.postings.size()));
+    left.postings.append(of_word);
+  }
+  left.offsets.push_back(static_cast<std::uint32_t>(left.postings.size()));
+  return left;
+}
+
+void remove_postings(PostingList& postings, const VertexSet& vertices) {
+  if (vertices.empty()) return;
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < postings.size(); ++k) {
+    if (vertices.contains(postings.vertices[k])) continue;
+    postings.vertices[kept] = postings.vertices[k];
+    postings.signatures[kept] = postings.signatures[k];
+    ++kept;
+  }
+  postings.resize(kept);
 }
 
 SegmentId insert_segment(WriteTransaction& db, MapId map, VocabularyId vocabulary, const SegmentPostings& segment) {

@@ -8,6 +8,7 @@
 
 #include "core/retrieval/postings.h"
 #include "core/types.h"
+#include "schema/absent_vertices.h"
 #include "schema/segment_store.h"
 
 namespace mapweld {
@@ -24,8 +25,9 @@ struct SegmentPostings {
   friend bool operator==(const SegmentPostings&, const SegmentPostings&) = default;
 };
 
-// From the appearances of the vertices [first, first + count) of a plain map; nullopt when one of them has none under
-// this vocabulary.
+// From the appearances of the vertices [first, first + count) of a plain map, deleted ones too, so that a segment need
+// not be written anew when one of them is restored; nullopt when one of them has none under this vocabulary and is not
+// purged.
 std::optional<SegmentPostings> invert_appearances(const Reader& db, MapId map, VocabularyId vocabulary, VertexId first,
                                                   std::uint32_t count);
 
@@ -37,6 +39,11 @@ SegmentPostings concatenate(std::span<const SegmentPostings> neighbours);
 
 // The part over the vertices [first, first + count), with `first` renumbered to `renumbered_first`.
 SegmentPostings cut(const SegmentPostings& segment, VertexId first, std::uint32_t count, VertexId renumbered_first);
+
+// What is left of it without some of its vertices, whose numbers stay unused.
+SegmentPostings without(SegmentPostings segment, const VertexSet& vertices);
+// The same of the postings of a word.
+void remove_postings(PostingList& postings, const VertexSet& vertices);
 
 SegmentId insert_segment(WriteTransaction& db, MapId map, VocabularyId vocabulary, const SegmentPostings& segment);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "schema/absent_vertices.h"
 #include "schema/blobs/appearance_blob.h"
 #include "schema/segment_postings.h"
 
@@ -64,9 +65,10 @@ bool store_due(WriteTransaction& db, MapId map, VocabularyId vocabulary, const D
   return true;
 }
 
-// Adds the vertices [first, first + count) of a plain map, read from appearances.
+// Adds the vertices [first, first + count) of a plain map, read from appearances; those that are absent without
+// postings.
 void add_appearances(const Reader& db, MapId map, VocabularyId vocabulary, std::uint32_t first, std::uint32_t count,
-                     InvertedIndex& index) {
+                     const VertexSet& absent, InvertedIndex& index) {
   sqlite::Statement row = db.prepare(
       "SELECT vertex, bytes FROM appearances WHERE map = ? AND vertex >= ? AND vertex < ? AND vocabulary = ? "
       "ORDER BY vertex");
@@ -74,10 +76,18 @@ void add_appearances(const Reader& db, MapId map, VocabularyId vocabulary, std::
   row.bind_all(map, first, end, vocabulary);
   blobs::IndexedFeatures image;
   std::uint64_t next = first;
-  for (; row.step() && static_cast<std::uint64_t>(row.integer(0)) == next; ++next) {
+  const auto pass_over_absent = [&] {
+    for (; next < end && absent.contains(VertexId{static_cast<std::uint32_t>(next)}); ++next) index.add({}, {});
+  };
+  while (row.step()) {
+    if (absent.contains(row.id<VertexId>(0))) continue;
+    pass_over_absent();
+    if (static_cast<std::uint64_t>(row.integer(0)) != next) break;
     blobs::decode_indexed(row.blob(1), image);
     index.add(image.words, image.signatures);
+    ++next;
   }
+  pass_over_absent();
   if (next != end) {
     throw StoreError(StoreErrorKind::kCorrupt, "map " + std::to_string(to_index(map)) + ": vertex " +
                                                    std::to_string(next) + " has no appearances");
@@ -148,11 +158,12 @@ InvertedIndex load_index(const Reader& db, const MapLayout& layout, VocabularyId
   for (const MapLayout::LeafSpan& span : layout.leaf_spans()) {
     const std::uint32_t begin = to_index(span.leaf_first);
     const std::uint32_t end = begin + span.count;
+    const VertexSet absent = absent_vertices(db, span.leaf, span.leaf_first, span.count);
     std::uint32_t next = begin;  // in the leaf
     for (const SegmentRow& row : list_segments(db, span.leaf, vocabulary)) {
       const std::uint32_t row_end = to_index(row.first) + row.count;
       if (row_end <= next || to_index(row.first) >= end) continue;
-      SegmentPostings segment = read_segment(db, row);
+      SegmentPostings segment = without(read_segment(db, row), absent);
       const std::uint32_t stop = std::min(row_end, end);
       if (renumber(span, next) != next || next != to_index(row.first) || stop != row_end) {
         segment = cut(segment, VertexId{next}, stop - next, VertexId{renumber(span, next)});
@@ -160,7 +171,7 @@ InvertedIndex load_index(const Reader& db, const MapLayout& layout, VocabularyId
       index.add_segment(to_index(segment.first), segment.count, segment.words, segment.offsets, segment.postings);
       next = stop;
     }
-    add_appearances(db, span.leaf, vocabulary, next, end - next, index);
+    add_appearances(db, span.leaf, vocabulary, next, end - next, absent, index);
   }
   return index;
 }

@@ -54,7 +54,7 @@ SegmentStatistics write_due_segments(Store& store, MapId map, VocabularyId vocab
 void drop_segments(WriteTransaction& db, MapId map, VocabularyId vocabulary);
 
 // The inverted index of any map, plain or merged, in memory; equal to one built by adding every vertex's appearances in
-// order. Throws StoreError kCorrupt when a blob is damaged.
+// order, none for those that are deleted. Throws StoreError kCorrupt when a blob is damaged.
 InvertedIndex load_index(const Reader& db, const MapLayout& layout, VocabularyId vocabulary);
 InvertedIndex load_index(const Reader& db, MapId map, VocabularyId vocabulary);
 

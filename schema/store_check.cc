@@ -6,6 +6,7 @@
 
 #include <openssl/sha.h>
 
+#include "schema/absent_vertices.h"
 #include "schema/blobs/appearance_blob.h"
 #include "schema/blobs/evidence_blob.h"
 #include "schema/blobs/judgement_blob.h"
@@ -117,7 +118,8 @@ class Checker {
         "SELECT 'maps: ' || name, 'it counts ' || vertices || ' vertices, and has ' || n || ' up to number ' || last "
         "FROM "
         "(SELECT maps.name AS name, vertices, count(vertex) AS n, coalesce(max(vertex), -1) AS last FROM maps "
-        " LEFT JOIN images ON images.map = maps.id AND vertex IS NOT NULL WHERE kind = 'map' GROUP BY maps.id) "
+        " LEFT JOIN (SELECT map, vertex FROM images WHERE vertex IS NOT NULL UNION ALL SELECT map, vertex FROM "
+        " purged_vertices) given ON given.map = maps.id WHERE kind = 'map' GROUP BY maps.id) "
         "WHERE vertices <> n OR vertices <> last + 1");
     findings_of(
         "SELECT 'maps: ' || name, 'it counts ' || ignored || ' ignored images, and has ' || n FROM "
@@ -234,19 +236,27 @@ class Checker {
     }
   }
 
-  // The number of features of each vertex of a map that can match, of any level of merging.
-  std::vector<std::uint32_t> features_of(MapId map) {
-    std::vector<std::uint32_t> features;
+  // What edges of a map, of any level of merging, may be between.
+  struct Ends {
+    std::vector<std::uint32_t> features;  // of each vertex, those that can match; of a purged one none
+    VertexSet absent;
+  };
+  Ends ends_of(MapId map) {
+    Ends ends;
     const MapLayout layout = load_layout(db_, map);
-    features.reserve(layout.vertices());
+    ends.features.resize(layout.vertices());
+    ends.absent = absent_vertices(db_, layout);
     for (const MapLayout::LeafSpan& span : layout.leaf_spans()) {
       sqlite::Statement row = db_.prepare(
-          "SELECT features - static_features FROM images WHERE map = ? AND vertex >= ? AND vertex < ? ORDER BY vertex");
+          "SELECT vertex, features - static_features FROM images WHERE map = ? AND vertex >= ? AND vertex < ?");
       const std::uint64_t first = to_index(span.leaf_first);
       row.bind_all(span.leaf, first, first + span.count);
-      while (row.step()) features.push_back(static_cast<std::uint32_t>(row.integer(0)));
+      while (row.step()) {
+        ends.features[to_index(span.first) + static_cast<std::size_t>(row.integer(0)) - first] =
+            static_cast<std::uint32_t>(row.integer(1));
+      }
     }
-    return features;
+    return ends;
   }
 
   void check_edges() {
@@ -268,29 +278,40 @@ class Checker {
         "SELECT 'edges: ' || e.id, 'it has ' || e.votes || ' votes, where its merge asks for ' || "
         " json_extract(m.parameters, '$.min_votes') FROM edges e JOIN merges m ON m.id = e.job "
         "WHERE e.votes < json_extract(m.parameters, '$.min_votes')");
-    sqlite::Statement owner = db_.prepare("SELECT DISTINCT map FROM edges ORDER BY map");
+    for (const char* table : {"edges", "deleted_edges"}) check_edges_of(table);
+  }
+
+  void check_edges_of(const std::string& table) {
+    const bool of_deleted = table == "deleted_edges";
+    sqlite::Statement owner = db_.prepare("SELECT DISTINCT map FROM " + table + " ORDER BY map");
     while (owner.step()) {
-      std::vector<std::uint32_t> features;
-      guarded("edges: map " + number(static_cast<std::uint64_t>(owner.integer(0))),
-              [&] { features = features_of(owner.id<MapId>(0)); });
-      sqlite::Statement row = db_.prepare("SELECT id, u, v, inliers, evidence, judgement FROM edges WHERE map = ?");
+      Ends ends;
+      guarded(table + ": map " + number(static_cast<std::uint64_t>(owner.integer(0))),
+              [&] { ends = ends_of(owner.id<MapId>(0)); });
+      sqlite::Statement row =
+          db_.prepare("SELECT id, u, v, inliers, evidence, judgement FROM " + table + " WHERE map = ?");
       row.bind(1, owner.integer(0));
       while (row.step()) {
-        const std::string where = "edges: " + number(static_cast<std::uint64_t>(row.integer(0)));
+        const std::string where = table + ": " + number(static_cast<std::uint64_t>(row.integer(0)));
         const auto u = static_cast<std::uint64_t>(row.integer(1));
         const auto v = static_cast<std::uint64_t>(row.integer(2));
         ++report_.edges;
-        expect(v < features.size(), where, "one of its vertices does not exist");
-        if (v >= features.size()) continue;
+        expect(v < ends.features.size(), where, "one of its vertices does not exist");
+        if (v >= ends.features.size()) continue;
+        const bool has_deleted_end = ends.absent.contains(VertexId{static_cast<std::uint32_t>(u)}) ||
+                                     ends.absent.contains(VertexId{static_cast<std::uint32_t>(v)});
+        expect(has_deleted_end == of_deleted, where,
+               of_deleted ? "none of its vertices is deleted" : "one of its vertices is deleted");
         guarded(where, [&] {
           Verification verdict;
           blobs::decode_evidence(row.blob(4), verdict);
           const auto& matches = verdict.inlier_matches;
           expect(matches.empty() || static_cast<std::int64_t>(matches.size()) == row.integer(3), where,
                  "it has not as many matches as inliers");
-          expect(std::ranges::all_of(matches,
-                                     [&](const auto& m) { return m.first < features[u] && m.second < features[v]; }),
-                 where, "a match names a feature that its image does not have");
+          const auto has = [&](const auto& match) {
+            return match.first < ends.features[u] && match.second < ends.features[v];
+          };
+          expect(std::ranges::all_of(matches, has), where, "a match names a feature that its image does not have");
           if (!row.is_null(5)) blobs::decode_judgement(row.blob(5));
         });
       }

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "schema/absent_vertices.h"
 #include "schema/blobs/appearance_blob.h"
 #include "schema/rows.h"
 
@@ -123,13 +124,16 @@ std::optional<ImageRow> find_image(const Reader& db, MapId map, std::string_view
 std::optional<ImageRow> find_image(const Reader& db, MapId map, const Sha256& sha256) {
   sqlite::Statement row =
       db.prepare(std::string(kColumns) +
-                 "WHERE map = ? AND sha256 = ? AND deleted_at_us IS NULL ORDER BY vertex IS NULL, id LIMIT 1");
+                 "WHERE map = ? AND sha256 = ? AND deleted_at_us IS NULL AND (vertex IS NOT NULL OR EXISTS (SELECT 1 "
+                 "FROM images s "
+                 "WHERE s.map = images.map AND s.vertex = images.similar_to AND s.deleted_at_us IS NULL)) "
+                 "ORDER BY vertex IS NULL, id LIMIT 1");
   if (!row.bind_all(map, std::span<const std::uint8_t>(sha256)).step()) return std::nullopt;
   return read_row(row);
 }
 
 std::optional<ImageRow> find_vertex(const Reader& db, MapId map, VertexId vertex) {
-  sqlite::Statement row = db.prepare(std::string(kColumns) + "WHERE map = ? AND vertex = ?");
+  sqlite::Statement row = db.prepare(std::string(kColumns) + "WHERE map = ? AND vertex = ? AND deleted_at_us IS NULL");
   if (!row.bind_all(map, vertex).step()) return std::nullopt;
   return read_row(row);
 }
@@ -158,7 +162,8 @@ std::vector<VertexRow> list_vertices(const Reader& db, const MapLayout& layout, 
     if (begin >= first + span.count) continue;
     const std::uint64_t skipped = begin > first ? begin - first : 0;
     sqlite::Statement row =
-        db.prepare(std::string(kColumns) + "WHERE map = ? AND vertex >= ? AND vertex < ? ORDER BY vertex LIMIT ?");
+        db.prepare(std::string(kColumns) +
+                   "WHERE map = ? AND vertex >= ? AND vertex < ? AND deleted_at_us IS NULL ORDER BY vertex LIMIT ?");
     const std::uint64_t leaf_first = to_index(span.leaf_first);
     row.bind_all(span.leaf, leaf_first + skipped, leaf_first + span.count, limit - vertices.size());
     while (row.step()) {
@@ -176,7 +181,7 @@ std::vector<VertexRow> find_vertices(const Reader& db, const MapLayout& layout, 
   for (const LayoutNode& node : layout.nodes()) {
     if (node.kind != MapKind::kMap) continue;
     auto image = find_image(db, node.map, name);
-    if (!image || !image->vertex) continue;
+    if (!image || !image->vertex || image->deleted_at) continue;
     if (const auto number = node.number(*image->vertex)) vertices.push_back({*number, std::move(*image)});
   }
   std::ranges::sort(vertices, {}, &VertexRow::vertex);
@@ -194,6 +199,7 @@ AppearanceVector load_appearances(const Reader& db, MapId map, VocabularyId voca
 
 std::vector<AppearanceVector> load_appearances(const Reader& db, MapId map, VocabularyId vocabulary, VertexId first,
                                                std::uint32_t count) {
+  const VertexSet absent = absent_vertices(db, map, first, count);
   std::vector<AppearanceVector> images;
   images.reserve(count);
   sqlite::Statement row = db.prepare(
@@ -201,12 +207,21 @@ std::vector<AppearanceVector> load_appearances(const Reader& db, MapId map, Voca
       "ORDER BY vertex");
   const std::uint64_t begin = to_index(first);
   row.bind_all(map, begin, begin + count, vocabulary);
-  while (row.step() && static_cast<std::uint64_t>(row.integer(0)) == begin + images.size()) {
+  const auto next = [&] { return VertexId{static_cast<std::uint32_t>(begin + images.size())}; };
+  const auto pass_over_absent = [&] {
+    while (absent.contains(next())) images.emplace_back();
+  };
+  while (row.step()) {
+    const auto vertex = row.id<VertexId>(0);
+    if (absent.contains(vertex)) continue;
+    pass_over_absent();
+    if (vertex != next()) break;
     images.push_back(blobs::decode_appearances(row.blob(1)));
   }
+  pass_over_absent();
   if (images.size() != count) {
     throw std::out_of_range("map " + std::to_string(to_index(map)) + " has no vertex " +
-                            std::to_string(begin + images.size()) + " under this vocabulary");
+                            std::to_string(to_index(next())) + " under this vocabulary");
   }
   return images;
 }
@@ -215,7 +230,8 @@ std::vector<AppearanceVector> load_newest_with_static(const Reader& db, MapId ma
                                                       std::uint32_t vertices, std::uint32_t newest) {
   sqlite::Statement row = db.prepare(
       "SELECT a.bytes FROM images i JOIN appearances a ON a.map = i.map AND a.vertex = i.vertex AND a.vocabulary = ? "
-      "WHERE i.map = ? AND i.vertex >= ? AND i.vertex < ? AND i.static_features > 0 ORDER BY i.vertex");
+      "WHERE i.map = ? AND i.vertex >= ? AND i.vertex < ? AND i.static_features > 0 "
+      "AND i.deleted_at_us IS NULL ORDER BY i.vertex");
   row.bind_all(vocabulary, map, vertices > newest ? vertices - newest : 0, vertices);
   std::vector<AppearanceVector> images;
   while (row.step()) images.push_back(blobs::decode_appearances(row.blob(0)));

@@ -67,13 +67,15 @@ struct ImageRow {
   int inliers = 0;                                            // ignored: to that vertex
   IgnoredReason ignored_reason = IgnoredReason::kTooSimilar;  // ignored: why
   Timestamp uploaded_at;
-  std::optional<Timestamp> deleted_at;  // tombstone: the number stays taken
+  std::optional<Timestamp> deleted_at;  // tombstone (vertex_removal.h): number and name stay taken
 };
 
-// By name, inserted or ignored: how a repeated upload is recognised.
+// By name, inserted, ignored or deleted: how a repeated upload is recognised.
 std::optional<ImageRow> find_image(const Reader& db, MapId map, std::string_view name);
-// By its bytes: a vertex where there is one, else an ignored image, the first of them; not one that was deleted.
+// By its bytes: a vertex where there is one, else an ignored image, the first of them; not one that was deleted, nor
+// one that was ignored for a vertex that was.
 std::optional<ImageRow> find_image(const Reader& db, MapId map, const Sha256& sha256);
+// None that was deleted, as below.
 std::optional<ImageRow> find_vertex(const Reader& db, MapId map, VertexId vertex);
 
 // The bytes as they were uploaded; nullopt when they were not kept.
@@ -94,10 +96,11 @@ std::vector<VertexRow> list_vertices(const Reader& db, const MapLayout& layout, 
 std::vector<VertexRow> find_vertices(const Reader& db, const MapLayout& layout, std::string_view name);
 
 // The appearance vector of a vertex of a plain map, bit for bit as inserted. Throws std::out_of_range when the map has
-// no such vertex under this vocabulary, StoreError kCorrupt when the blob is damaged.
+// no such vertex under this vocabulary, StoreError kCorrupt when the blob is damaged. A deleted one still has it.
 AppearanceVector load_appearances(const Reader& db, MapId map, VocabularyId vocabulary, VertexId vertex);
 
-// Those of the vertices first .. first+count-1 of a plain map, in order. Throws as load_appearances.
+// Those of the vertices first .. first+count-1 of a plain map, in order; an empty one for each that is deleted or
+// purged. Throws as load_appearances.
 std::vector<AppearanceVector> load_appearances(const Reader& db, MapId map, VocabularyId vocabulary, VertexId first,
                                                std::uint32_t count);
 

@@ -92,16 +92,17 @@ class Server::Impl {
         merge_events_(store_, events_),
         journal_(store_, merge_events_, config.log_format),
         jobs_(store_, job_options(config, journal_)),
-        merges_(store_, jobs_, opener_),
+        quality_(store_),
+        merges_(store_, jobs_, opener_, quality_),
         maps_(store_, opener_, vocabularies_, [this](std::int64_t merge) { merges_.remove(merge); }),
         masks_(store_, decoder()),
         images_(store_, cache_, vocabularies_, workers_, decoder(), metrics_,
                 {.stored = [this](const std::string& map,
                                   const contract::Upload& upload) { tell_image(events_, map, upload); }}),
         localization_(store_, opener_, vocabularies_, workers_, decoder(), metrics_),
-        quality_(store_),
         backups_(store_, config.data / "backups"),
         transfer_(store_, maps_, vocabularies_, transit_folder(config)),
+        removals_(store_, cache_),
         keys_(config.data),
         gate_(keys_, config.access, config.log_format),
         http_(http_options(config), routes(), metrics_, &gate_),
@@ -148,6 +149,7 @@ class Server::Impl {
                         .images = images_,
                         .localization = localization_,
                         .quality = quality_,
+                        .removals = removals_,
                         .merges = merges_,
                         .decoder = decoder(),
                         .events = events_,
@@ -252,14 +254,15 @@ class Server::Impl {
   MergeEvents merge_events_;
   MergeJournal journal_;
   MergeJobs jobs_;
+  QualityService quality_;
   MergeService merges_;
   MapService maps_;
   MaskService masks_;
   ImageService images_;
   LocalizeService localization_;
-  QualityService quality_;
   BackupService backups_;
   MapTransfer transfer_;
+  RemovalService removals_;
   KeyRing keys_;
   AccessGate gate_;
   HttpServer http_;

@@ -23,6 +23,13 @@ struct Camera {
   friend bool operator==(const Camera&, const Camera&) = default;
 };
 
+// DELETE /v1/maps/{m}/vertices and .../{i}
+struct Deleted {
+  std::int64_t deleted = 0;  // vertices
+  static constexpr auto fields() { return std::tuple(field("deleted", &Deleted::deleted)); }
+  friend bool operator==(const Deleted&, const Deleted&) = default;
+};
+
 // GET /v1/maps/{m}/vertices/{i}
 struct Vertex {
   std::int64_t vertex = 0;

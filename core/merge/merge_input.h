@@ -45,6 +45,9 @@ class AppearanceTable final : public AppearanceSource {
 struct MergeInput {
   std::vector<MergeMember> members;  // in the order given; two or more
   std::vector<Edge> inner_edges;     // of all members
+  // Ascending: vertices whose images are gone. They have no appearances and no edges, and a verdict about one of them,
+  // from before it went, counts for nothing.
+  std::vector<VertexId> absent;
   std::shared_ptr<const AppearanceSource> appearances;
   std::shared_ptr<const PairVerifier> verifier;  // how a pair is verified
   // Where the candidates of a merge of two members come from; null, and with more members: the words of `appearances`.

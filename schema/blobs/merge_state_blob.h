@@ -21,6 +21,9 @@
 // "postponed"    exploration       the candidates of L, in order
 // "rejected-NNNNNN" when it grows  page NNNNNN of the rejected pairs, kRejectedPerPage each but the last: for each
 //                                  source, target, reason (byte), matches, inliers, votes
+// "absent"         when images go   one byte, 1 when edges were purged since (merge_state_store.h); number of vertices,
+// each
+//                  or come back     as distance from the one before; not there: none
 //
 // The edges are not in here: they stand in their own table, written in the same transaction.
 #pragma once

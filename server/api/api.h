@@ -14,6 +14,7 @@
 #include "server/services/mask_service.h"
 #include "server/services/merge_service.h"
 #include "server/services/quality_service.h"
+#include "server/services/removal_service.h"
 #include "server/services/vocabulary_service.h"
 
 namespace mapweld::server {
@@ -28,6 +29,7 @@ struct Services {
   ImageService& images;
   LocalizeService& localization;
   QualityService& quality;
+  RemovalService& removals;
   MergeService& merges;
   ImageDecoder& decoder;
   EventHub& events;
@@ -47,6 +49,7 @@ void add_map_routes(Router& router, const Services& services);
 void add_mask_routes(Router& router, const Services& services);
 void add_image_routes(Router& router, const Services& services);
 void add_backup_routes(Router& router, const Services& services);
+void add_removal_routes(Router& router, const Services& services);
 void add_event_routes(Router& router, const Services& services);
 void add_merge_routes(Router& router, const Services& services);
 

@@ -50,6 +50,7 @@ Router make_router(const Services& services) {
   add_map_routes(router, services);
   add_mask_routes(router, services);
   add_image_routes(router, services);
+  add_removal_routes(router, services);
   add_merge_routes(router, services);
   add_event_routes(router, services);
   add_backup_routes(router, services);

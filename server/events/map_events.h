@@ -8,7 +8,7 @@
 
 namespace mapweld::server {
 
-// `change`: "created", "changed", "deleted", "mask".
+// `change`: "created", "changed", "deleted", "mask"; "images": some were deleted or restored.
 void tell_map(EventHub& hub, const std::string& map, const std::string& change);
 
 // An image is stored, as a vertex or as an ignored one.

@@ -89,9 +89,9 @@ bool append_appearances(const Reader& db, const MapLayout& layout, VocabularyId 
 }
 
 // Throws UnusableState where that is damaged.
-std::optional<MergeState> load_state(const Reader& db, JobId job) {
+std::optional<ResumableState> load_state(const Reader& db, JobId job, const VertexSet& absent) {
   try {
-    return load_merge_state(db, job);
+    return load_resumable_state(db, job, absent);
   } catch (const StoreError& error) {
     if (error.kind() != StoreErrorKind::kCorrupt) throw;
     throw UnusableState(error.what());
@@ -109,6 +109,8 @@ std::optional<LoadedMerge> load_merge(const Reader& db, JobId job, const Verifie
   const MapLayout layout = load_layout(db, row->map);
   const MergeParameters parameters = parameters_of(*row);
   LoadedMerge loaded;
+  loaded.absent = absent_vertices(db, layout);
+  loaded.input.absent = loaded.absent.vertices();
   std::vector<VerifiedEdge> inner;  // the same edges as in the input
   for (const MemberRow& member : list_members(db, row->map)) {
     const LayoutNode& node = node_of(layout, member.map);
@@ -132,12 +134,16 @@ std::optional<LoadedMerge> load_merge(const Reader& db, JobId job, const Verifie
   loaded.input.options = {row->method, parameters.min_votes, parameters.votes, row->seed,
                           parameters.serves_certificate};
   loaded.input.executor = std::move(executor);
-  loaded.state = load_state(db, job);
+  if (std::optional<ResumableState> resumable = load_state(db, job, loaded.absent)) {
+    loaded.state = std::move(resumable->state);
+    loaded.has_other_absence = resumable->begins_anew;
+  }
   loaded.row = std::move(*row);
   return loaded;
 }
 
-bool has_grown(const LoadedMerge& loaded) {
+bool begins_anew(const LoadedMerge& loaded) {
+  if (loaded.has_other_absence) return true;
   std::size_t vertices = 0;
   for (const MergeMember& member : loaded.input.members) vertices += member.vertices.size();
   return loaded.state && loaded.state->vertices < vertices;
@@ -145,8 +151,8 @@ bool has_grown(const LoadedMerge& loaded) {
 
 std::unique_ptr<Merger> open_merger(LoadedMerge& loaded) {
   if (!loaded.state) return make_merger(std::move(loaded.input));
-  const auto open = has_grown(loaded) ? make_grown_merger
-                                      : static_cast<std::unique_ptr<Merger> (*)(MergeInput, MergeState)>(make_merger);
+  const auto open = begins_anew(loaded) ? make_grown_merger
+                                        : static_cast<std::unique_ptr<Merger> (*)(MergeInput, MergeState)>(make_merger);
   try {
     return open(std::move(loaded.input), std::move(*loaded.state));
   } catch (const FormatError& error) {

@@ -13,6 +13,7 @@
 #include "core/merge/merge_input.h"
 #include "core/merge/merge_state.h"
 #include "core/merge/merger.h"
+#include "schema/absent_vertices.h"
 #include "schema/map_store.h"
 #include "schema/merge_store.h"
 #include "schema/store.h"
@@ -23,7 +24,9 @@ namespace mapweld::server {
 struct LoadedMerge {
   MergeRow row;
   MergeInput input;
-  std::optional<MergeState> state;  // of the last checkpoint; none before the first
+  std::optional<MergeState> state;  // of the last checkpoint, with the verdicts of today; none before the first
+  VertexSet absent;                 // those of `input`
+  bool has_other_absence = false;   // images have been deleted or restored since the checkpoint
   // Where the merge is guarded: the guard over its members, which input.inner_edges are confirmed by. Refers to
   // input.appearances.
   std::shared_ptr<AliasGuard> guard;
@@ -44,8 +47,9 @@ std::optional<LoadedMerge> load_merge(const Reader& db, JobId job, const Verifie
                                       const std::function<bool()>& should_stop,
                                       std::shared_ptr<const Executor> executor = nullptr);
 
-// Whether members have grown since the state was stored: nothing of its search is then of use.
-bool has_grown(const LoadedMerge& loaded);
+// Whether members have grown, or images of theirs went or came back, since the state was stored: nothing of its search
+// is then of use.
+bool begins_anew(const LoadedMerge& loaded);
 
 // The merger that goes on from what was loaded, or begins; takes input and state out of it. Throws UnusableState.
 std::unique_ptr<Merger> open_merger(LoadedMerge& loaded);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "schema/map_store.h"
+#include "schema/merge_state_store.h"
 #include "server/jobs/merge_job_rows.h"
 #include "server/jobs/merge_pages.h"
 #include "server/jobs/merge_submission.h"
@@ -61,7 +62,10 @@ MergeStatus MergeJobs::describe(const Reader& db, const MergeRow& row, const std
   std::optional<MergeProgress> live;
   if (run && row.state == JobState::kRunning && row.epoch == run->epoch()) live = run->progress();
   MergeStatus status = status_of(row, list_members(db, row.map), live, now());
-  if (is_at_rest(row.state)) return status;
+  if (is_at_rest(row.state)) {
+    status.is_outdated = row.checkpoint_at && has_other_absence(db, row.id, row.map);
+    return status;
+  }
   if (const std::optional<std::string> failure = workers_->unstored_failure(row.id)) {
     status.state = JobState::kFailed;
     status.stop_reason = "error";
@@ -186,10 +190,10 @@ MergeStatus MergeJobs::resume(std::int64_t id, const std::optional<MergeBudget>&
         if (!new_budget) new_budget = to_row(MergeBudget{});
         break;
       case JobState::kCompleted:
-        if (gained == 0) {
+        if (gained == 0 && !has_other_absence(db, job, row.map)) {
           throw MergeJobError("nothing_to_resume", "Merge " + std::to_string(id) +
                                                        " is complete: every candidate has been verified, and no "
-                                                       "member has grown since.");
+                                                       "member has other images since.");
         }
         if (!new_budget) new_budget = to_row(MergeBudget{});
         break;

@@ -53,7 +53,8 @@ class MergeJobs {
   MergeStatus pause(std::int64_t id);
   // A budget is an allowance on top of what was spent; without one, `paused` keeps its remainder and the other states
   // run unlimited. What the members have gained since is taken in, in the same transaction. Serves paused,
-  // budget_exhausted, failed, and completed when a member has grown ("nothing_to_resume" otherwise).
+  // budget_exhausted, failed, and completed when a member has grown or other images of it are deleted
+  // ("nothing_to_resume" otherwise).
   MergeStatus resume(std::int64_t id, const std::optional<MergeBudget>& budget);
   // Begins the merge afresh, from any state at rest: in one transaction its edges, its curve and all that it was and
   // had spent go, what the members have gained is taken in, and it is queued with `budget`, or with all of the one that

@@ -14,6 +14,7 @@
 #include "core/merge/certificate/fraction_stop.h"
 #include "core/merge/run.h"
 #include "schema/blobs/merge_state_blob.h"
+#include "schema/merge_state_store.h"
 #include "schema/merge_store.h"
 #include "schema/store_error.h"
 #include "server/jobs/merge_eta.h"
@@ -61,12 +62,13 @@ class Run {
     if (loaded.state) {
       edges_stored_ = loaded.state->edges.size();
       fingerprint = loaded.state->input_fingerprint;
-      if (!has_grown(loaded)) mark_ = blobs::mark_of(*loaded.state);
+      if (!begins_anew(loaded)) mark_ = blobs::mark_of(*loaded.state);
       progress_.checkpoint_step = row_.step;
       const std::chrono::duration<double> age =
           row_.checkpoint_at ? now() - *row_.checkpoint_at : Timestamp::duration{};
       progress_.checkpoint_at = Clock::now() - std::chrono::duration_cast<Clock::duration>(age);
     }
+    absent_ = std::move(loaded.absent);
     merger_ = open_merger(loaded);
     // The search of a former version begins anew too.
     if (fingerprint != merger_->state().input_fingerprint) mark_.reset();
@@ -238,6 +240,9 @@ class Run {
     const std::vector<blobs::MergeStatePart> encoded = blobs::encode_merge_state(state, mark_);
     std::vector<CheckpointPart> parts;
     for (const blobs::MergeStatePart& part : encoded) parts.push_back({part.name, part.bytes});
+    const std::vector<std::string> no_absence = {kAbsencePart};
+    const blobs::MergeStatePart absence = encode_absence({absent_});
+    if (!mark_ && !absent_.empty()) parts.push_back({absence.name, absence.bytes});
     MergeWatch::Judgements judgements = watch_->tell_judgements(edges_stored_, end.has_value());
     std::vector<NewEdge> edges;
     for (std::size_t i = edges_stored_; i < state.edges.size(); ++i) {
@@ -255,6 +260,7 @@ class Run {
     checkpoint.phase = to_string(state.phase);
     checkpoint.progress = to_row(progress_);
     checkpoint.parts = parts;
+    if (!mark_ && absent_.empty()) checkpoint.dropped_parts = no_absence;
     checkpoint.edges = edges;
     checkpoint.curve_points = curve_;
     checkpoint.now = now();
@@ -346,6 +352,7 @@ class Run {
   double metrics_interval_s_;
   std::function<void(const std::string&)> log_;
 
+  VertexSet absent_;
   std::optional<blobs::MergeStateMark> mark_;  // what of the state is stored
   std::size_t edges_stored_ = 0;
   std::vector<double> edge_times_s_;  // of the edges that are not stored yet

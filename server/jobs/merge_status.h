@@ -113,6 +113,9 @@ struct MergeStatus {
   std::optional<std::string> stop_reason;  // seconds, verifications, edges, fraction_of_maximum, paused, error;
                                            // while it runs: no_space, it waits for room on the disk
   std::optional<std::string> error;
+  // At rest, and images of members have been deleted, restored or purged since the last checkpoint, which edges,
+  // metrics and pairs here are of.
+  bool is_outdated = false;
   Timestamp created_at;
 };
 

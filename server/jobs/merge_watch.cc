@@ -72,6 +72,7 @@ void MergeWatch::measure_edges(bool exact) {
       metrics_ = measure(merger_.graph(), state.edges);
       confirmed_edges_ = state.edges.size();
     }
+    discount_absent();
     // An older certificate still holds while edges come to the same component; for another one it says nothing, nor
     // when edges that mattered were taken back.
     const bool is_another = certified_for_ != std::pair{metrics_.components, metrics_.largest_vertices};
@@ -81,6 +82,15 @@ void MergeWatch::measure_edges(bool exact) {
   std::vector<bool> confirmed(state.edges.size());
   for (std::size_t e = 0; e < confirmed.size(); ++e) confirmed[e] = is_confirmed(e);
   members_ = member_table(members, state.edges, state.rejected, confirmed, merger_.finished_pairs());
+}
+
+// Vertices whose images are gone are no components.
+void MergeWatch::discount_absent() {
+  const std::vector<VertexId>& absent = merger_.input().absent;
+  if (absent.empty()) return;
+  metrics_.components -= static_cast<std::uint32_t>(absent.size());
+  if (metrics_.components <= 1) metrics_.algebraic_connectivity = metrics_.largest_algebraic_connectivity;
+  if (metrics_.components == 0) metrics_.largest_vertices = 0;
 }
 
 std::vector<EdgeStanding> MergeWatch::standings() {

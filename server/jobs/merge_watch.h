@@ -75,6 +75,7 @@ class MergeWatch {
   std::uint64_t revoked_of_the_written(const std::vector<GuardVerdict>& verdicts) const;
   bool is_confirmed(std::size_t edge) const { return !guards() || verdicts_[edge].confirmed(); }
   AppearanceGraph confirmed_graph() const;
+  void discount_absent();
 
   const Merger& merger_;
   const std::shared_ptr<AliasGuard> guard_;

@@ -42,7 +42,8 @@ class MapCache {
   // the map in memory follows. To be called by whoever has held the map's turn since before the transaction.
   void follow_judgements(MapId map, std::span<const JudgedEdge> edges);
 
-  // A map was deleted. Who still has it open keeps it until done.
+  // A map was deleted, or vertices of it were, or came back; the map's turn is then held since before the transaction.
+  // Who still has it open keeps it until done; who opens it next reads it anew.
   void forget(MapId map);
 
   struct Statistics {

@@ -76,10 +76,11 @@ contract::Localization LocalizeService::localize(const std::string& map_name, co
       if (answer.matches.size() == query.limit || (query.verified_only && !match.verified)) break;
       const LeafVertex leaf = layout.leaf(match.vertex);
       const std::optional<ImageRow> row = find_vertex(db, leaf.map, leaf.vertex);
+      if (!row) continue;  // deleted meanwhile
       answer.matches.push_back({.vertex = to_index(match.vertex),
                                 .map = names(leaf.map),
                                 .member_vertex = to_index(leaf.vertex),
-                                .name = row ? row->name : "",
+                                .name = row->name,
                                 .votes = match.votes,
                                 .inliers = match.verification.inliers,
                                 .verified = match.verified});

@@ -7,8 +7,10 @@
 #include <string_view>
 
 #include "client/contract/problem.h"
+#include "schema/map_layout.h"
 #include "schema/map_store.h"
 #include "schema/store.h"
+#include "schema/vertex_removal.h"
 
 namespace mapweld::server {
 
@@ -16,6 +18,20 @@ namespace mapweld::server {
 inline MapRow require_map(const Reader& db, std::string_view name) {
   if (const std::optional<MapRow> map = find_map(db, name)) return *map;
   throw contract::ContractError("no_such_map", "There is no map named \"" + std::string(name) + "\".");
+}
+
+// Where a vertex of a map lives. Throws ContractError no_such_vertex for a number beyond the map, and for one whose
+// image was deleted.
+inline LeafVertex require_vertex(const Reader& db, const MapRow& map, const MapLayout& layout, std::uint32_t vertex) {
+  const std::string name = "vertex " + std::to_string(vertex);
+  if (vertex >= layout.vertices()) {
+    throw contract::ContractError("no_such_vertex", "The map \"" + map.name + "\" has no " + name + ".");
+  }
+  const LeafVertex leaf = layout.leaf(VertexId{vertex});
+  const VertexStanding standing = standing_of(db, leaf.map, leaf.vertex);
+  if (standing == VertexStanding::kThere) return leaf;
+  throw contract::ContractError("no_such_vertex", "Of the map \"" + map.name + "\", " + name + " was deleted" +
+                                                      (standing == VertexStanding::kDeleted ? "." : " and purged."));
 }
 
 // Names of maps by id, each read once.

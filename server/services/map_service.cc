@@ -5,6 +5,7 @@
 
 #include "client/contract/problem.h"
 #include "core/mapping/static_content.h"
+#include "schema/absent_vertices.h"
 #include "schema/edge_store.h"
 #include "schema/mask_store.h"
 #include "schema/merge_store.h"
@@ -28,26 +29,24 @@ std::int64_t degree_of(const Reader& db, const MapLayout& layout, VertexId verte
   return count_confirmed_edges_at(db, layout, vertex, 1).front();
 }
 
-VertexRow require_vertex(const Reader& db, const MapRow& map, const MapLayout& layout, std::uint32_t vertex) {
-  if (vertex < layout.vertices()) {
-    const LeafVertex leaf = layout.leaf(VertexId{vertex});
-    if (std::optional<ImageRow> image = find_vertex(db, leaf.map, leaf.vertex)) {
-      return {VertexId{vertex}, std::move(*image)};
-    }
-  }
-  throw ContractError("no_such_vertex", "The map \"" + map.name + "\" has no vertex " + std::to_string(vertex) + ".");
+VertexRow read_vertex(const Reader& db, const MapRow& map, const MapLayout& layout, std::uint32_t vertex) {
+  const LeafVertex leaf = require_vertex(db, map, layout, vertex);
+  return {VertexId{vertex}, find_vertex(db, leaf.map, leaf.vertex).value()};
 }
 
 // As the newest images show it; of a merged map, the mean over the vertices of its members.
 double static_share_of(const Reader& db, const MapRow& map, const MapLayout& layout) {
   constexpr std::uint32_t kNewest = 16;
   double sum = 0;
+  std::size_t all = 0;
   for (const LayoutNode& node : layout.nodes()) {
     if (node.kind != MapKind::kMap) continue;
-    const std::uint32_t vertices = node.watermark;
-    sum += vertices * static_share(load_newest_with_static(db, node.map, map.vocabulary, vertices, kNewest));
+    const std::size_t there = node.watermark - absent_vertices(db, node.map, VertexId{0}, node.watermark).size();
+    sum += static_cast<double>(there) *
+           static_share(load_newest_with_static(db, node.map, map.vocabulary, node.watermark, kNewest));
+    all += there;
   }
-  return layout.vertices() == 0 ? 0 : sum / layout.vertices();
+  return all == 0 ? 0 : sum / static_cast<double>(all);
 }
 
 void require_consistent(const MapSettings& settings) {
@@ -184,8 +183,8 @@ contract::Map MapService::describe(const Reader& db, const MapRow& map) const {
   out.kind = to_string(map.kind);
   const std::optional<VocabularyRow> vocabulary = find_vocabulary(db, map.vocabulary);
   out.vocabulary = vocabulary ? vocabulary->name : "";
-  out.vertices = map.vertices;
   const MapLayout layout = load_layout(db, map.id);
+  out.vertices = map.vertices - static_cast<std::int64_t>(absent_vertices(db, layout).size());
   out.edge_counts = {.verified = static_cast<std::int64_t>(count_edges(db, layout)),
                      .confirmed = static_cast<std::int64_t>(count_edges(db, layout, {.confirmed = true}))};
   out.edges = out.edge_counts.confirmed;
@@ -245,17 +244,17 @@ contract::Vertex MapService::vertex(const std::string& map_name, std::uint32_t v
   const ReadTransaction db = store_.read();
   const MapRow map = require_map(db, map_name);
   const MapLayout layout = load_layout(db, map.id);
-  const VertexRow row = require_vertex(db, map, layout, vertex);
+  const VertexRow row = read_vertex(db, map, layout, vertex);
   return describe_vertex(row, MapNames(db)(row.image.map), degree_of(db, layout, row.vertex));
 }
 
 StoredImage MapService::image(const std::string& map_name, std::uint32_t vertex) const {
   const ReadTransaction db = store_.read();
   const MapRow map = require_map(db, map_name);
-  const VertexRow row = require_vertex(db, map, load_layout(db, map.id), vertex);
+  const VertexRow row = read_vertex(db, map, load_layout(db, map.id), vertex);
   const auto bytes = load_image_bytes(db, row.image.id);
   if (!bytes) {
-    throw ContractError("no_such_image", "The bytes of this image are not kept (store_images is \"none\").");
+    throw ContractError("no_such_image", "The bytes of this image are not kept.");
   }
   return {row.image.media_type, std::string(bytes->begin(), bytes->end()), to_hex(row.image.sha256)};
 }

@@ -1,9 +1,13 @@
 #include "server/services/merge_service.h"
 
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "client/contract/problem.h"
 #include "core/mapping/localizer.h"
+#include "core/merge/member_table.h"
+#include "schema/edge_store.h"
 #include "schema/map_layout.h"
 #include "schema/map_store.h"
 #include "schema/merge_store.h"
@@ -118,6 +122,30 @@ contract::MergeEdge describe(const MergeEdgePoint& edge) {
           .reason = edge.confirmed ? std::nullopt : std::optional(edge.doubt)};
 }
 
+// What the edges of a merge are now between each two members. A pair without one is not joined when the merge is
+// complete.
+std::vector<MemberPairSummary> pairs_of(const Reader& db, const MergeStatus& status) {
+  const MergeRow row = find_merge(db, JobId{status.id}).value();
+  const MapLayout layout = load_layout(db, row.map);
+  std::vector<MergeMember> members;
+  for (const MemberRow& member : list_members(db, row.map)) {
+    const auto node = std::ranges::find(layout.nodes(), member.map, &LayoutNode::map);
+    MergeMember& one = members.emplace_back();
+    for (std::uint32_t v = 0; v < member.watermark; ++v) one.vertices.push_back(*node->number(VertexId{v}));
+  }
+  std::vector<MergeEdge> edges;
+  std::vector<bool> confirmed;
+  for (const EdgeRow& edge : list_merge_edges(db, row.id, SIZE_MAX >> 1)) {
+    MergeEdge& one = edges.emplace_back();
+    one.u = edge.u;
+    one.v = edge.v;
+    confirmed.push_back(edge.confirmed);
+  }
+  const bool is_complete = row.state == JobState::kCompleted;
+  return member_table(members, edges, {}, confirmed,
+                      std::vector<bool>(members.size() * (members.size() - 1) / 2, is_complete));
+}
+
 template <typename Document, typename Item>
 contract::Page<Document> describe(const Page<Item>& page) {
   contract::Page<Document> out;
@@ -127,6 +155,38 @@ contract::Page<Document> describe(const Page<Item>& page) {
 }
 
 }  // namespace
+
+// What the status says, and, where images of members went or came back since the checkpoint that it is of, what its
+// edges are now.
+contract::Merge MergeService::present(const MergeStatus& status) const {
+  contract::Merge merge = describe(status);
+  if (!status.is_outdated) return merge;
+  const contract::Quality quality = quality_.quality(status.map);
+  merge.components = quality.components;
+  merge.algebraic_connectivity = quality.algebraic_connectivity;
+  merge.largest_component = quality.largest_component;
+  merge.joined = quality.joined;
+  merge.independent_joins = quality.independent_joins;
+  merge.certified_fraction.reset();
+  merge.estimated_fraction.reset();
+  merge.joinable_vertices.reset();
+  const std::vector<MemberPairSummary> pairs = pairs_of(store_.read(), status);
+  std::uint64_t verified = 0, confirmed = 0;
+  for (std::size_t i = 0; i < merge.pairs.size() && i < pairs.size(); ++i) {
+    contract::MemberPair& pair = merge.pairs[i];
+    verified += pairs[i].accepted;
+    confirmed += pairs[i].confirmed;
+    pair.accepted = static_cast<std::int64_t>(pairs[i].accepted);
+    pair.confirmed = static_cast<std::int64_t>(pairs[i].confirmed);
+    pair.edge_counts = counts_of(pairs[i].accepted, pairs[i].confirmed);
+    pair.independent_joins = pairs[i].independent_joins;
+    pair.verdict = std::string(to_string(pairs[i].verdict));
+  }
+  merge.edges = static_cast<std::int64_t>(verified);
+  merge.edge_counts = counts_of(verified, confirmed);
+  merge.candidates.accepted = merge.edges;
+  return merge;
+}
 
 // By signatures, unless the request says otherwise or a member was made before there were signatures.
 VoteRule MergeService::rule_of(const contract::SubmitMerge& request) const {
@@ -166,14 +226,14 @@ contract::Merge MergeService::submit(const contract::SubmitMerge& request, const
     if (from.serves_certificate) to.serves_certificate = *from.serves_certificate;
   }
   if (request.budget) merge.budget = *request.budget;
-  return describe(jobs_.submit(merge));
+  return present(jobs_.submit(merge));
 }
 
 void MergeService::require_use(std::int64_t id, const Caller* caller) const {
   if (!sees_all(caller)) server::require_use(caller, jobs_.map_of(id));
 }
 
-contract::Merge MergeService::get(std::int64_t id) const { return describe(jobs_.get(id)); }
+contract::Merge MergeService::get(std::int64_t id) const { return present(jobs_.get(id)); }
 
 contract::Page<contract::Merge> MergeService::list(const std::optional<std::string>& state, const PageRequest& page,
                                                    const Caller* caller) const {
@@ -184,7 +244,11 @@ contract::Page<contract::Merge> MergeService::list(const std::optional<std::stri
   }
   std::function<bool(const std::string&)> visible;
   if (!sees_all(caller)) visible = [caller](const std::string& map) { return caller->may_use(map); };
-  return describe<contract::Merge>(jobs_.list(wanted, page.limit, page.cursor, visible));
+  const Page<MergeStatus> found = jobs_.list(wanted, page.limit, page.cursor, visible);
+  contract::Page<contract::Merge> out;
+  for (const MergeStatus& status : found.items) out.items.push_back(present(status));
+  out.next_cursor = found.next;
+  return out;
 }
 
 contract::Page<contract::CurvePoint> MergeService::curve(std::int64_t id, const PageRequest& page) const {
@@ -195,19 +259,19 @@ contract::Page<contract::MergeEdge> MergeService::edges(std::int64_t id, const P
   return describe<contract::MergeEdge>(jobs_.edges(id, page.limit, page.cursor));
 }
 
-contract::Merge MergeService::pause(std::int64_t id) { return describe(jobs_.pause(id)); }
+contract::Merge MergeService::pause(std::int64_t id) { return present(jobs_.pause(id)); }
 
 contract::Merge MergeService::resume(std::int64_t id, const contract::RunMerge& request) {
   contract::check(request);
-  return describe(jobs_.resume(id, request.budget));
+  return present(jobs_.resume(id, request.budget));
 }
 
 contract::Merge MergeService::restart(std::int64_t id, const contract::RunMerge& request) {
   contract::check(request);
-  return describe(jobs_.restart(id, request.budget));
+  return present(jobs_.restart(id, request.budget));
 }
 
-contract::Merge MergeService::cancel(std::int64_t id) { return describe(jobs_.cancel(id)); }
+contract::Merge MergeService::cancel(std::int64_t id) { return present(jobs_.cancel(id)); }
 
 void MergeService::remove(std::int64_t id) {
   std::optional<MergeRow> merge = find_merge(store_.read(), JobId{id});

@@ -10,14 +10,16 @@
 #include "server/jobs/merge_jobs.h"
 #include "server/maps/map_opener.h"
 #include "server/services/map_service.h"
+#include "server/services/quality_service.h"
 
 namespace mapweld::server {
 
 // Thread-safe. Throws ContractError and MergeJobError for requests that cannot be met, StoreError.
 class MergeService {
  public:
-  // `store`, `jobs` and `opener` must outlive this.
-  MergeService(Store& store, MergeJobs& jobs, MapOpener& opener) : store_(store), jobs_(jobs), opener_(opener) {}
+  // Everything given must outlive this.
+  MergeService(Store& store, MergeJobs& jobs, MapOpener& opener, QualityService& quality)
+      : store_(store), jobs_(jobs), opener_(opener), quality_(quality) {}
 
   // Also forbidden, when the caller may not use a member or a map of the merge's name; null: may use all.
   contract::Merge submit(const contract::SubmitMerge& request, const Caller* caller = nullptr);
@@ -37,10 +39,12 @@ class MergeService {
 
  private:
   VoteRule rule_of(const contract::SubmitMerge& request) const;
+  contract::Merge present(const MergeStatus& status) const;
 
   Store& store_;
   MergeJobs& jobs_;
   MapOpener& opener_;
+  QualityService& quality_;
 };
 
 }  // namespace mapweld::server

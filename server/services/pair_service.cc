@@ -29,12 +29,8 @@ MergeRow require_merge(const Reader& db, std::int64_t id) {
   throw ContractError("no_such_merge", "There is no merge " + std::to_string(id) + ".");
 }
 
-void require_pair(const MapRow& map, const MapLayout& layout, VertexId u, VertexId v) {
-  for (const VertexId vertex : {u, v}) {
-    if (to_index(vertex) < layout.vertices()) continue;
-    throw ContractError("no_such_vertex",
-                        "The map \"" + map.name + "\" has no vertex " + std::to_string(to_index(vertex)) + ".");
-  }
+void require_pair(const Reader& db, const MapRow& map, const MapLayout& layout, VertexId u, VertexId v) {
+  for (const VertexId vertex : {u, v}) require_vertex(db, map, layout, to_index(vertex));
   if (u == v) throw ContractError("invalid_parameter", "A pair is of two vertices.");
 }
 
@@ -152,7 +148,7 @@ contract::Pair explain(const Reader& db, const MapRow& asked, std::uint32_t a, s
   const VertexId u{std::min(a, b)};
   const VertexId v{std::max(a, b)};
   const MapLayout layout = load_layout(db, asked.id);
-  require_pair(asked, layout, u, v);
+  require_pair(db, asked, layout, u, v);
   const Meeting at = meeting_of(db, layout, u, v);
   const std::optional<MergeRow> merge = find_merge_of(db, at.map.id);
   const Rule rule = merge ? rule_of(*merge) : rule_of(at.map);

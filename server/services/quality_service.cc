@@ -9,6 +9,7 @@
 #include "core/graph/degrees.h"
 #include "core/graph/edge_connectivity.h"
 #include "core/graph/matching.h"
+#include "schema/absent_vertices.h"
 #include "schema/edge_store.h"
 #include "schema/merge_store.h"
 #include "server/maps/map_opener.h"
@@ -36,6 +37,23 @@ contract::Quality measure(const AppearanceGraph& graph) {
     quality.edge_connectivity = edge_connectivity(graph);
   }
   return quality;
+}
+
+// The confirmed edges between the vertices that are there, numbered without gaps.
+AppearanceGraph graph_of(const Reader& db, const MapLayout& layout) {
+  const VertexSet absent = absent_vertices(db, layout);
+  std::vector<std::uint32_t> place(layout.vertices());
+  std::uint32_t there = 0;
+  for (std::uint32_t v = 0; v < layout.vertices(); ++v) {
+    place[v] = there;
+    there += absent.contains(VertexId{v}) ? 0 : 1;
+  }
+  std::vector<Edge> edges = load_edges(db, layout, {.confirmed = true});
+  for (Edge& edge : edges) {
+    edge.u = VertexId{place[to_index(edge.u)]};
+    edge.v = VertexId{place[to_index(edge.v)]};
+  }
+  return AppearanceGraph(there, edges);
 }
 
 std::vector<std::pair<VertexId, VertexId>> inter_edges_of(const Reader& db, JobId merge) {
@@ -95,10 +113,8 @@ contract::Quality QualityService::quality(const std::string& map_name) {
     const auto found = known_.find(map.id);
     if (found != known_.end() && found->second.revision == revision) return found->second.quality;
   }
-  const std::vector<Edge> edges = load_edges(db, layout, {.confirmed = true});
-  contract::Quality quality = measure(AppearanceGraph(layout.vertices(), edges));
-  quality.edge_counts = {.verified = static_cast<std::int64_t>(count_edges(db, layout)),
-                         .confirmed = static_cast<std::int64_t>(edges.size())};
+  contract::Quality quality = measure(graph_of(db, layout));
+  quality.edge_counts = {.verified = static_cast<std::int64_t>(count_edges(db, layout)), .confirmed = quality.edges};
   if (map.kind == MapKind::kMerged) {
     Joins joins = joins_of(db, map, layout);
     quality.joined = std::move(joins.members);

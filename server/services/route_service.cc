@@ -19,10 +19,7 @@ contract::Route find_route(Store& store, const std::string& map_name, std::uint3
   const ReadTransaction db = store.read();
   const MapRow map = require_map(db, map_name);
   const MapLayout layout = load_layout(db, map.id);
-  for (const std::uint32_t vertex : {from, to}) {
-    if (vertex < layout.vertices()) continue;
-    throw ContractError("no_such_vertex", "The map \"" + map_name + "\" has no vertex " + std::to_string(vertex) + ".");
-  }
+  for (const std::uint32_t vertex : {from, to}) require_vertex(db, map, layout, vertex);
   const AppearanceGraph graph(layout.vertices(), load_edges(db, layout, {.confirmed = true}));
   const std::optional<Route> route = widest_route(graph, VertexId{from}, VertexId{to});
   if (!route) {

@@ -54,8 +54,12 @@ UploadSession::UploadSession(UploadContext& context, const std::string& map_name
   mask_ = mask_in(mask_png, context.decoder);
   vocabulary_ = context.vocabularies.load(map_.vocabulary);
   verifier_ = make_verifier({.min_inliers = settings_.parameters.min_inliers});
+  open_map();
+}
+
+void UploadSession::open_map() {
   try {
-    loaded_ = context.cache.open(map_, settings_.parameters.max_features);
+    loaded_ = context_.cache.open(map_, settings_.parameters.max_features);
   } catch (const std::out_of_range&) {
     throw_deleted();
   }
@@ -131,6 +135,11 @@ std::optional<UploadOutcome> UploadSession::find_repeated(const Reader& db, cons
                                                           const Sha256& hash) const {
   const std::optional<ImageRow> stored = find_image(db, map_.id, name);
   if (!stored) return std::nullopt;
+  if (stored->deleted_at) {
+    throw ContractError("name_taken", "The image named \"" + name +
+                                          "\" was deleted; it can be restored, and its name is "
+                                          "free when it is purged.");
+  }
   if (stored->sha256 != hash) throw_name_taken(name);
   return first_outcome(db, *stored);
 }
@@ -138,6 +147,7 @@ std::optional<UploadOutcome> UploadSession::find_repeated(const Reader& db, cons
 std::exception_ptr UploadSession::store(std::vector<Pending>& group) {
   const auto turn = context_.cache.writer_turn(map_.id);
   try {
+    open_map();  // as it is now: the cache forgets a map of which images are deleted
     decide_all(group);
     write_all(group);
     if (loaded_) loaded_->commit();

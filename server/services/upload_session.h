@@ -82,6 +82,7 @@ class UploadSession {
   using NamesOfGroup = std::map<std::string, const Pending*>;
   using ContentsOfGroup = std::map<Sha256, const Pending*>;  // the first image of the group with these bytes
 
+  void open_map();
   int max_group() const;
   Prepared prepare(const ImageUpload& upload) const;  // on a worker
   AnalyzedImage analyzed(const ImageUpload& upload) const;

@@ -109,7 +109,9 @@ std::optional<std::vector<Candidate>> PairMerger::open_candidates() const {
 std::vector<bool> PairMerger::finished_pairs() const {
   const std::size_t members = input_.members.size();
   std::vector<std::uint64_t> verdicts(pairs_.size(), 0);
+  const auto is_absent = [this](VertexId v) { return std::ranges::binary_search(input_.absent, v); };
   const auto count = [&](VertexId u, VertexId v) {
+    if (is_absent(u) || is_absent(v)) return;
     ++verdicts[place_of_pair(member_of_[to_index(u)], member_of_[to_index(v)], members)];
   };
   for (const MergeEdge& e : state_.edges) count(e.u, e.v);

@@ -394,6 +394,41 @@ TEST(Api, AMapsMask) {
   EXPECT_EQ(api.del("/v1/maps/a/mask").status, 204) << "as asked: there is none";
 }
 
+TEST(Api, ImagesAreDeletedAndRestored) {
+  ApiUnderTest api;
+  api.post("/v1/maps", R"({"name":"lab"})");
+  for (int step = 0; step < 4; ++step) {
+    api.post_image("/v1/maps/lab/images?name=" + std::to_string(step) + ".jpg", photo_jpeg(1, step));
+  }
+  const std::string before = api.get("/v1/maps/lab/graph").body;
+  const Answer one = api.del("/v1/maps/lab/vertices/1");
+  EXPECT_EQ(one.status, 200);
+  EXPECT_EQ(one.body, R"({"deleted":1})");
+  EXPECT_EQ(api.get("/v1/maps/lab/vertices/1").code(), "no_such_vertex");
+  EXPECT_THAT(api.get("/v1/maps/lab/vertices/1").json()["detail"].get<std::string>(), HasSubstr("deleted"));
+  EXPECT_EQ(api.get("/v1/maps/lab/vertices/1/image").code(), "no_such_vertex");
+  EXPECT_EQ(api.del("/v1/maps/lab/vertices/1").code(), "no_such_vertex");
+  EXPECT_EQ(api.del("/v1/maps/lab/vertices?name=3.jpg").body, R"({"deleted":1})");
+  EXPECT_EQ(api.del("/v1/maps/lab/vertices?from=0&to=9").body, R"({"deleted":2})");
+  EXPECT_EQ(api.get("/v1/maps/lab").json()["vertices"], 0);
+  EXPECT_EQ(api.get("/v1/maps/lab").json()["edges"], 0);
+  EXPECT_TRUE(api.get("/v1/maps/lab/quality").json()["components"] == 0);
+  for (const char* query : {"", "?from=1", "?to=1", "?name=0.jpg&from=0&to=1", "?from=3&to=1"}) {
+    EXPECT_EQ(api.del(std::string("/v1/maps/lab/vertices") + query).code(), "invalid_parameter") << query;
+  }
+  EXPECT_EQ(api.del("/v1/maps/none/vertices/1").code(), "no_such_map");
+  for (const char* vertex : {"2", "0", "1", "3"}) {
+    const Answer restored = api.post(std::string("/v1/maps/lab/vertices/") + vertex + "/restore", "");
+    EXPECT_EQ(restored.status, 200);
+    EXPECT_EQ(restored.json()["vertex"], std::stoi(vertex));
+  }
+  EXPECT_EQ(api.get("/v1/maps/lab/graph").body, before);
+  EXPECT_EQ(api.post("/v1/maps/lab/vertices/4/restore", "").code(), "no_such_vertex");
+  EXPECT_EQ(api.del("/v1/maps/lab/vertices/2/image").status, 204);
+  EXPECT_EQ(api.get("/v1/maps/lab/vertices/2/image").code(), "no_such_image");
+  EXPECT_EQ(api.get("/v1/maps/lab/vertices/2").status, 200);
+}
+
 TEST(Api, AMapIsRenamed) {
   ApiUnderTest api;
   api.post("/v1/maps", R"({"name":"lab"})");

@@ -69,6 +69,7 @@ TEST(OpenApi, SchemasHaveTheFieldsOfTheDocuments) {
   expect_answer<Quality>(schemas["Quality"], "Quality");
   expect_answer<Route>(schemas["Route"], "Route");
   expect_answer<Map>(schemas["Map"], "Map");
+  expect_answer<Deleted>(schemas["Deleted"], "Deleted");
   expect_answer<Vertex>(schemas["Vertex"], "Vertex");
   expect_answer<IgnoredImage>(schemas["IgnoredImage"], "IgnoredImage");
   expect_answer<Upload>(schemas["Upload"], "Upload");
@@ -85,8 +86,8 @@ TEST(OpenApi, SchemasHaveTheFieldsOfTheDocuments) {
   expect_answer<Vocabulary>(schemas["Vocabulary"], "Vocabulary");
   expect_fields<MapParameters>(schemas["MapParameters"], "MapParameters");
   expect_fields<CreateMap>(schemas["CreateMap"], "CreateMap");
-  expect_fields<MergeParameters>(schemas["MergeParameters"], "MergeParameters");
   expect_fields<ChangeMap>(schemas["ChangeMap"], "ChangeMap");
+  expect_fields<MergeParameters>(schemas["MergeParameters"], "MergeParameters");
   expect_fields<SubmitMerge>(schemas["SubmitMerge"], "SubmitMerge");
   expect_fields<RunMerge>(schemas["RunMerge"], "RunMerge");
   expect_fields<Budget>(schemas["Budget"], "Budget");

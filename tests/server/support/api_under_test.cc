@@ -41,6 +41,7 @@ ApiUnderTest::ApiUnderTest(const server::HttpOptions& options, const ServicesOpt
                                                .images = services_.images(),
                                                .localization = services_.localization(),
                                                .quality = services_.quality(),
+                                               .removals = services_.removals(),
                                                .merges = services_.merges(),
                                                .decoder = services_.decoder(),
                                                .events = services_.events(),

@@ -31,14 +31,15 @@ struct ServicesUnderTest::Running {
         vocabularies(store),
         merge_events(store, events),
         jobs(store, job_options(merge_events)),
-        merges(store, jobs, opener),
+        quality(store),
+        merges(store, jobs, opener, quality),
         maps(store, opener, vocabularies, [this](std::int64_t merge) { merges.remove(merge); }),
         masks(store, decoder),
         images(store, cache, vocabularies, workers, decoder, metrics, telling(options.images)),
         localization(store, opener, vocabularies, workers, decoder, metrics),
-        quality(store),
         backups(store, store.file().parent_path() / "backups"),
-        transfer(store, maps, vocabularies, store.file().parent_path()) {
+        transfer(store, maps, vocabularies, store.file().parent_path()),
+        removals(store, cache) {
     if (!vocabularies.set_default_from_store()) vocabularies.add("words", small_vocabulary().serialize());
     jobs.start();
   }
@@ -59,14 +60,15 @@ struct ServicesUnderTest::Running {
   EventHub events;
   MergeEvents merge_events;
   MergeJobs jobs;
+  QualityService quality;
   MergeService merges;
   MapService maps;
   MaskService masks;
   ImageService images;
   LocalizeService localization;
-  QualityService quality;
   BackupService backups;
   MapTransfer transfer;
+  RemovalService removals;
 };
 
 ServicesUnderTest::ServicesUnderTest(const ServicesOptions& options)
@@ -88,6 +90,7 @@ LocalizeService& ServicesUnderTest::localization() { return running_->localizati
 BackupService& ServicesUnderTest::backups() { return running_->backups; }
 MapTransfer& ServicesUnderTest::transfer() { return running_->transfer; }
 QualityService& ServicesUnderTest::quality() { return running_->quality; }
+RemovalService& ServicesUnderTest::removals() { return running_->removals; }
 MergeService& ServicesUnderTest::merges() { return running_->merges; }
 MergeJobs& ServicesUnderTest::jobs() { return running_->jobs; }
 EventHub& ServicesUnderTest::events() { return running_->events; }

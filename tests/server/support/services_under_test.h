@@ -17,6 +17,7 @@
 #include "server/services/mask_service.h"
 #include "server/services/merge_service.h"
 #include "server/services/quality_service.h"
+#include "server/services/removal_service.h"
 #include "server/services/vocabulary_service.h"
 #include "server/services/worker_pool.h"
 #include "tests/support/temp_store.h"
@@ -47,6 +48,7 @@ class ServicesUnderTest {
   server::QualityService& quality();
   server::BackupService& backups();
   server::MapTransfer& transfer();
+  server::RemovalService& removals();
   server::MergeService& merges();
   server::MergeJobs& jobs();
   server::EventHub& events();
