@@ -227,6 +227,11 @@ bool save_checkpoint(WriteTransaction& db, JobId job, std::uint64_t epoch, const
   return true;
 }
 
+void rewrite_checkpoint(WriteTransaction& db, JobId job, std::span<const CheckpointPart> parts, std::uint64_t edges) {
+  for (const CheckpointPart& part : parts) write_part(db, job, part);
+  db.prepare("UPDATE merges SET edges = ? WHERE id = ?").bind_all(edges, job).run();
+}
+
 std::vector<StoredPart> load_checkpoint(const Reader& db, JobId job) {
   sqlite::Statement row =
       db.prepare("SELECT part, chunk, crc32, bytes FROM checkpoints WHERE job = ? ORDER BY part, chunk");

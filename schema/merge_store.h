@@ -126,6 +126,9 @@ struct CheckpointWrite {
 // False, and nothing written, when the epoch is not the job's or the job is not running.
 bool save_checkpoint(WriteTransaction& db, JobId job, std::uint64_t epoch, const CheckpointWrite& checkpoint);
 
+// Replaces parts of the checkpoint of a job that nobody runs, whose state has `edges` edges from now on.
+void rewrite_checkpoint(WriteTransaction& db, JobId job, std::span<const CheckpointPart> parts, std::uint64_t edges);
+
 struct StoredPart {
   std::string name;
   std::vector<std::uint8_t> bytes;

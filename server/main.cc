@@ -1,10 +1,11 @@
-// mapweld-server: serve, key, train, check, backup, restore, evaluate.
+// mapweld-server: serve, key, train, check, backup, restore, purge, evaluate.
 #include <CLI/CLI.hpp>
 
 #include "server/commands/backup.h"
 #include "server/commands/check.h"
 #include "server/commands/evaluate.h"
 #include "server/commands/key.h"
+#include "server/commands/purge.h"
 #include "server/commands/serve.h"
 #include "server/training/train.h"
 #include "server/version.h"
@@ -19,6 +20,7 @@ int main(int argc, char** argv) {
   mapweld::add_train_command(app);
   mapweld::server::add_check_command(app);
   mapweld::server::add_backup_commands(app);
+  mapweld::server::add_purge_command(app);
   mapweld::server::add_evaluate_command(app);
   CLI11_PARSE(app, argc, argv);
   return 0;

@@ -4,7 +4,9 @@
 
 #include "schema/mask_store.h"
 #include "schema/merge_store.h"
+#include "schema/purge.h"
 #include "schema/segment_store.h"
+#include "schema/vertex_removal.h"
 
 namespace mapweld::test {
 
@@ -46,6 +48,15 @@ EveryTable::EveryTable(Store& store)
       .bind(1, job)
       .run();
   db.prepare("INSERT INTO meta (key, value) VALUES ('made_by', 'a test')").run();
+  const auto insert_and_delete = [&](const char* name, const std::vector<NewEdge>& edges) {
+    const AppearanceVector appearances = random_appearances(random, 40, 1'000);
+    const VertexId vertex =
+        insert_vertex(db, b, vocabulary, new_image(name, appearances), appearances, edges, test_verifier(db));
+    delete_vertices(db, b, vertex, 1, at(3));
+  };
+  insert_and_delete("purged", {});
+  purge_deleted(db, b);
+  insert_and_delete("deleted", {{VertexId{19}, {}, 30, random_verification(random, 15, 40, 40)}});
   db.commit();
   write_due_segments(store, {8, 2, 16});
 }

@@ -6,7 +6,8 @@
 namespace mapweld::test {
 
 // Fills an empty store: two maps, `a` and `b`, of 20 vertices with bytes, appearances and edges, segments written; `a`
-// has an ignored image and a mask; `ab` merges them, with a checkpoint, an inter edge and a point of the curve.
+// has an ignored image and a mask; `ab` merges them, with a checkpoint, an inter edge and a point of the curve. Then
+// `b` got two more, of which one is purged, and the other, with an edge, deleted.
 struct EveryTable {
   explicit EveryTable(Store& store);
   VocabularyId vocabulary;
