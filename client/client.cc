@@ -73,6 +73,9 @@ Answer<std::vector<contract::Map>> Client::maps() { return all_pages<contract::M
 Answer<contract::Map> Client::map(const std::string& name) {
   return answer<contract::Map>(connection_.get(path_of(kRoot, {"maps", name})));
 }
+Answer<contract::Map> Client::change_map(const std::string& name, const contract::ChangeMap& change) {
+  return answer<contract::Map>(connection_.patch(path_of(kRoot, {"maps", name}), contract::dump(change), kJson));
+}
 void Client::delete_map(const std::string& name) { connection_.remove(path_of(kRoot, {"maps", name})); }
 
 void Client::export_map(const std::string& map, bool images, const std::function<void(std::string_view)>& receive) {
@@ -127,6 +130,25 @@ Answer<contract::Vertex> Client::vertex(const std::string& map, std::int64_t ver
 }
 std::string Client::vertex_image(const std::string& map, std::int64_t vertex) {
   return connection_.get(path_of(kRoot, {"maps", map, "vertices", std::to_string(vertex), "image"}));
+}
+Answer<contract::Deleted> Client::delete_vertex(const std::string& map, std::int64_t vertex) {
+  return answer<contract::Deleted>(
+      connection_.remove(path_of(kRoot, {"maps", map, "vertices", std::to_string(vertex)})));
+}
+Answer<contract::Deleted> Client::delete_vertices(const std::string& map, std::int64_t first, std::int64_t last) {
+  const Query range{{"from", std::to_string(first)}, {"to", std::to_string(last)}};
+  return answer<contract::Deleted>(connection_.remove(path_of(kRoot, {"maps", map, "vertices"}, range)));
+}
+Answer<contract::Deleted> Client::delete_named(const std::string& map, const std::string& image_name) {
+  return answer<contract::Deleted>(
+      connection_.remove(path_of(kRoot, {"maps", map, "vertices"}, {{"name", image_name}})));
+}
+void Client::delete_vertex_image(const std::string& map, std::int64_t vertex) {
+  connection_.remove(path_of(kRoot, {"maps", map, "vertices", std::to_string(vertex), "image"}));
+}
+Answer<contract::Vertex> Client::restore_vertex(const std::string& map, std::int64_t vertex) {
+  return answer<contract::Vertex>(
+      connection_.post(path_of(kRoot, {"maps", map, "vertices", std::to_string(vertex), "restore"}), "", kJson));
 }
 Answer<std::vector<contract::IgnoredImage>> Client::ignored(const std::string& map) {
   return all_pages<contract::IgnoredImage>({"maps", map, "ignored"});

@@ -69,6 +69,8 @@ class Client {
   Answer<contract::Map> create_map(const contract::CreateMap& request);
   Answer<std::vector<contract::Map>> maps();
   Answer<contract::Map> map(const std::string& name);
+  // Gives it another name or other labels, or changes parameters that may change.
+  Answer<contract::Map> change_map(const std::string& name, const contract::ChangeMap& change);
   void delete_map(const std::string& name);
 
   // A plain map as one file, handed on in pieces; `images`: with the images' bytes.
@@ -96,6 +98,13 @@ class Client {
   Answer<std::vector<contract::Vertex>> vertices(const std::string& map);
   Answer<contract::Vertex> vertex(const std::string& map, std::int64_t vertex);
   std::string vertex_image(const std::string& map, std::int64_t vertex);  // the stored bytes
+  // A deleted vertex shows nowhere until it is restored, if it was not purged meanwhile. Of a range, which includes
+  // `last`, those that are there.
+  Answer<contract::Deleted> delete_vertex(const std::string& map, std::int64_t vertex);
+  Answer<contract::Deleted> delete_vertices(const std::string& map, std::int64_t first, std::int64_t last);
+  Answer<contract::Deleted> delete_named(const std::string& map, const std::string& image_name);
+  void delete_vertex_image(const std::string& map, std::int64_t vertex);  // its bytes alone, for good
+  Answer<contract::Vertex> restore_vertex(const std::string& map, std::int64_t vertex);
   Answer<std::vector<contract::IgnoredImage>> ignored(const std::string& map);
   Answer<contract::Localization> localize(const std::string& map, const std::string& image_bytes,
                                           const LocalizeOptions& options = {});

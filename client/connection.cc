@@ -232,6 +232,12 @@ std::string Connection::put(const std::string& path, const std::string& body, co
   return body_of(result, base_url_);
 }
 
+std::string Connection::patch(const std::string& path, const std::string& body, const std::string& content_type) {
+  const NoSigpipe guard;
+  httplib::Result result = http_->client.Patch(prefix_ + path, body, content_type);
+  return body_of(result, base_url_);
+}
+
 std::string Connection::post_form(const std::string& path, const std::vector<FormPart>& parts) {
   httplib::MultipartFormDataItems items;
   items.reserve(parts.size());

@@ -52,6 +52,7 @@ class Connection {
   // read.
   std::string post_file(const std::string& path, const std::filesystem::path& file, const std::string& content_type);
   std::string put(const std::string& path, const std::string& body, const std::string& content_type);
+  std::string patch(const std::string& path, const std::string& body, const std::string& content_type);
   std::string post_form(const std::string& path, const std::vector<FormPart>& parts);
   std::string remove(const std::string& path);
 

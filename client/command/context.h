@@ -27,6 +27,7 @@ struct Context {
 
 // Each adds its subcommand; options live as long as `app`.
 void add_map_command(CLI::App& app, Context& context);
+void add_images_command(CLI::App& app, Context& context);
 void add_mask_command(CLI::App& app, Context& context);
 void add_upload_command(CLI::App& app, Context& context);
 void add_localize_command(CLI::App& app, Context& context);

@@ -86,6 +86,7 @@ int main(int argc, char** argv) {
   command::add_merges_command(app, context);
   command::add_explain_command(app, context);
   command::add_graph_command(app, context);
+  command::add_images_command(app, context);
   command::add_backup_command(app, context);
   command::add_server_commands(app, context);
 

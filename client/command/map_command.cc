@@ -1,4 +1,4 @@
-// mapweld map create|list|show|delete|export|import
+// mapweld map create|list|show|change|delete|export|import
 #include <cmath>
 #include <map>
 #include <memory>
@@ -67,20 +67,40 @@ std::string describe(const contract::Map& map) {
   return facts(lines);
 }
 
+std::map<std::string, std::string> labels_of(const std::vector<std::string>& texts) {
+  std::map<std::string, std::string> labels;
+  for (const std::string& label : texts) {
+    const auto equals = label.find('=');
+    if (equals == std::string::npos || equals == 0) throw UsageError("A label is KEY=TEXT, not \"" + label + "\".");
+    labels[label.substr(0, equals)] = label.substr(equals + 1);
+  }
+  return labels;
+}
+
 int create(const Context& context, const MapOptions& options) {
   contract::CreateMap request = options.create;
   if (options.parameters != contract::MapParameters{}) request.parameters = options.parameters;
-  for (const std::string& label : options.labels) {
-    const auto equals = label.find('=');
-    if (equals == std::string::npos || equals == 0) throw UsageError("A label is KEY=TEXT, not \"" + label + "\".");
-    if (!request.labels) request.labels.emplace();
-    (*request.labels)[label.substr(0, equals)] = label.substr(equals + 1);
-  }
+  if (!options.labels.empty()) request.labels = labels_of(options.labels);
   const auto map = context.connect().create_map(request);
   if (context.json) {
     print_json(map.json);
   } else {
     print("Map " + map->name + " is there, empty, with the words of " + map->vocabulary + ".\n");
+  }
+  return kDone;
+}
+
+int change(const Context& context, const MapOptions& options) {
+  contract::ChangeMap change;
+  if (!options.create.name.empty()) change.name = options.create.name;
+  if (options.parameters != contract::MapParameters{}) change.parameters = options.parameters;
+  if (!options.labels.empty()) change.labels = labels_of(options.labels);
+  if (change == contract::ChangeMap{}) throw UsageError("Say what is to change.");
+  const auto map = context.connect().change_map(options.name, change);
+  if (context.json) {
+    print_json(map.json);
+  } else {
+    print(describe(*map));
   }
   return kDone;
 }
@@ -149,7 +169,7 @@ int import_map(const Context& context, const CopyOptions& options) {
 
 void add_map_command(CLI::App& app, Context& context) {
   const auto options = std::make_shared<MapOptions>();
-  CLI::App* map = app.add_subcommand("map", "Make, list, show, delete and copy maps");
+  CLI::App* map = app.add_subcommand("map", "Make, list, show, change, delete and copy maps");
   map->require_subcommand(1);
 
   CLI::App* make = map->add_subcommand("create", "Make an empty map");
@@ -175,6 +195,16 @@ void add_map_command(CLI::App& app, Context& context) {
   CLI::App* one = map->add_subcommand("show", "Show one map");
   one->add_option("NAME", options->name)->required();
   one->callback([=, &context] { context.action = [=, &context] { return show(context, options->name); }; });
+
+  CLI::App* other = map->add_subcommand("change", "Give a map another name, other labels or other parameters");
+  other->add_option("NAME", options->name)->required();
+  other->add_option("--name", options->create.name, "The new name");
+  other->add_option("--label", options->labels, "KEY=TEXT; the labels are then these alone")->type_name("KEY=TEXT");
+  other->add_option("--max-inliers", options->parameters.max_inliers, "An image with more is ignored as too similar");
+  other->add_option("--verify-top", options->parameters.verify_top, "Best candidates that are verified");
+  other->add_option("--store-images", options->parameters.store_images, "Whether pixels are kept")
+      ->check(CLI::IsMember({"full", "none"}));
+  other->callback([=, &context] { context.action = [=, &context] { return change(context, *options); }; });
 
   const auto copy = std::make_shared<CopyOptions>();
   CLI::App* out = map->add_subcommand("export", "Write a map into one file, for another server");

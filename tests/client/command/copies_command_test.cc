@@ -1,4 +1,4 @@
-// `mapweld map export`, `mapweld map import` and `mapweld backup`.
+// `mapweld map export`, `import` and `change`, `mapweld images` and `mapweld backup`.
 #include <filesystem>
 #include <fstream>
 
@@ -27,6 +27,32 @@ TEST_F(Copies, AMapGoesIntoAFileAndOutOfIt) {
   EXPECT_NE(in.out.find("Map b is there: 1 vertex, 3 edges"), std::string::npos) << in.out;
   EXPECT_EQ(server.requests().back(), "POST /v1/maps:import?name=b");
   EXPECT_EQ(server.bodies().back(), "the bytes");
+}
+
+TEST_F(Copies, ImagesAreDeletedAndRestored) {
+  server.script("DELETE /v1/maps/a/vertices/3", 200, Json{{"deleted", 1}});
+  server.script("DELETE /v1/maps/a/vertices", 200, Json{{"deleted", 5}});
+  server.script("DELETE /v1/maps/a/vertices/3/image", 204, std::string());
+  server.script("POST /v1/maps/a/vertices/3/restore", 200, Json{{"vertex", 3}, {"name", "x.jpg"}});
+  const Ended deleted = ask("images delete a 3 --from 5 --to 9");
+  EXPECT_EQ(deleted.code, 0) << deleted.err;
+  EXPECT_EQ(deleted.out.rfind("6 images of a are deleted.", 0), 0u) << deleted.out;
+  EXPECT_EQ(server.requests().back(), "DELETE /v1/maps/a/vertices?from=5&to=9");
+  EXPECT_EQ(ask("images delete a --name 'y z.jpg'").code, 0);
+  EXPECT_EQ(server.requests().back(), "DELETE /v1/maps/a/vertices?name=y%20z.jpg");
+  EXPECT_EQ(ask("images delete a --pixels-only 3").out, "The pixels of 1 image of a are gone.\n");
+  EXPECT_EQ(ask("images restore a 3").out, "Vertex 3 of a is back: x.jpg.\n");
+  EXPECT_EQ(ask("images delete a").code, 2);
+  EXPECT_EQ(ask("images delete a --from 3").code, 2);
+}
+
+TEST_F(Copies, AMapIsChanged) {
+  server.script("PATCH /v1/maps/a", 200, Json{{"name", "b"}, {"kind", "map"}, {"labels", {{"floor", "2"}}}});
+  const Ended changed = ask("map change a --name b --label floor=2");
+  EXPECT_EQ(changed.code, 0) << changed.err;
+  EXPECT_NE(changed.out.find("floor=2"), std::string::npos) << changed.out;
+  EXPECT_EQ(Json::parse(server.bodies().back()), (Json{{"name", "b"}, {"labels", {{"floor", "2"}}}}));
+  EXPECT_EQ(ask("map change a").code, 2);
 }
 
 TEST_F(Copies, AFileThatIsNotThereIsSaid) {
