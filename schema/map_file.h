@@ -2,8 +2,9 @@
 // rests on. `mapweld-server restore` makes a server of it; import_map puts it among others.
 //
 // In the file: the map with its labels, parameters and mask, its images (with their pixels, where they are kept), their
-// appearances word for word, its edges with all evidence in order of insertion, their verifiers, and the vocabulary that
-// the words are of. Not in it: the inverted index, which is written anew from the appearances, and merges.
+// appearances word for word, its edges with all evidence in order of insertion, their verifiers, and the vocabulary
+// that the words are of. Not in it: the inverted index, which is written anew from the appearances, merges, and images
+// that were deleted, whose numbers are as those of purged ones.
 #pragma once
 
 #include <filesystem>
@@ -21,12 +22,12 @@ struct MapFileOptions {
   bool pixels = true;  // the images as they were uploaded, where they are kept
 };
 
-// Writes a plain map into `file`, which must not exist; what was written is removed again when this throws (StoreError).
-// The same map in the same state gives the same bytes.
+// Writes a plain map into `file`, which must not exist; what was written is removed again when this throws
+// (StoreError). The same map in the same state gives the same bytes.
 void export_map(const Reader& db, MapId map, const std::filesystem::path& file, const MapFileOptions& options = {});
 
 // A file that claims to hold a map. What strangers send is believed in nothing: the file must be a Mapweld database,
-// have the tables of this program's schema and nothing else, exactly one map, and pass check_store.
+// have the tables of its version to the letter, exactly one map without merges and index, and pass check_store.
 class MapFile {
  public:
   // Brings a file of an older schema up to date: `file` is changed. Throws StoreError: kForeignDatabase, kNewerVersion,

@@ -19,8 +19,8 @@
 namespace mapweld::server {
 
 // Thread-safe. One backup is made at a time, by a thread of its own. The files that are there are the backups: those of
-// earlier lives of the server too; what a server that stopped left unfinished is gone when it starts. One that failed is
-// remembered until the server stops.
+// earlier lives of the server too; what a server that stopped left unfinished is gone when it starts. One that failed
+// is remembered until the server stops.
 class BackupService {
  public:
   // `folder`: made with the first backup, for its owner only. `store` must outlive this.

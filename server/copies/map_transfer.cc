@@ -1,11 +1,17 @@
 #include "server/copies/map_transfer.h"
 
 #include <algorithm>
+#include <cctype>
+#include <map>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <vector>
 
+#include "client/contract/json.h"
 #include "client/contract/names.h"
 #include "client/contract/problem.h"
+#include "core/errors.h"
 #include "schema/map_layout.h"
 #include "schema/vertex_store.h"
 #include "schema/vocabulary_store.h"
@@ -24,10 +30,12 @@ constexpr std::size_t kImagesAtOnce = 1000;
 [[noreturn]] void refuse(const std::string& what) { throw ContractError("damaged_file", what); }
 
 // What a server answers with as it is stored, and what only its own requests would have kept from being nonsense.
-void check_image(const ImageRow& image) {
+void check_image(const ImageRow& image, int max_features) {
   constexpr int kMaxSide = 8192;
   const bool known = image.media_type == "image/jpeg" || image.media_type == "image/png";
-  if (!known || !contract::is_image_name(image.name) || image.width_px < 1 || image.height_px < 1 ||
+  const std::optional<std::string>& sequence = image.provenance.sequence;
+  if (!known || !contract::is_image_name(image.name) || image.features > max_features ||
+      (sequence && !contract::is_image_name(*sequence)) || image.width_px < 1 || image.height_px < 1 ||
       image.width_px > kMaxSide || image.height_px > kMaxSide) {
     refuse("The file has an image as no server stores it.");
   }
@@ -36,17 +44,18 @@ void check_image(const ImageRow& image) {
 void check_content(MapFile& file) {
   const ReadTransaction db = file.store().read();
   const MapLayout layout = load_layout(db, file.map().id);
+  const int max_features = settings_of(file.map()).parameters.max_features;
   std::optional<VertexId> vertex;
   while (true) {
     const std::vector<VertexRow> rows = list_vertices(db, layout, kImagesAtOnce, vertex);
-    for (const VertexRow& row : rows) check_image(row.image);
+    for (const VertexRow& row : rows) check_image(row.image, max_features);
     if (rows.size() < kImagesAtOnce) break;
     vertex = rows.back().vertex;
   }
   std::optional<ImageId> ignored;
   while (true) {
     const std::vector<ImageRow> rows = list_ignored(db, file.map().id, kImagesAtOnce, ignored);
-    for (const ImageRow& row : rows) check_image(row);
+    for (const ImageRow& row : rows) check_image(row, max_features);
     if (rows.size() < kImagesAtOnce) break;
     ignored = rows.back().id;
   }
@@ -58,16 +67,30 @@ void check_settings(const MapRow& map) {
     contract::CreateMap request;
     request.name = map.name;
     request.parameters = describe(settings_of(map));
-    request.labels = labels_of(map);
+    request.labels = contract::parse_json(map.labels).get<std::map<std::string, std::string>>();
     contract::check(request);
   } catch (const std::exception& error) {
     refuse(std::string("The map of the file is not one that a server has: ") + error.what());
   }
 }
 
-std::unique_ptr<MapFile> open_map_file(const std::filesystem::path& path) {
+void require_free(const Reader& db, const std::string& name) {
+  if (!find_map(db, name)) return;
+  throw ContractError("name_taken", "There is a map named \"" + name + "\" already. Give another with ?name=.");
+}
+
+// A file's word numbers are good for a vocabulary of these words alone.
+void require_same_words(const VocabularyRow& wanted, const VocabularyRow& here) {
+  if (wanted.words != here.words || wanted.dimension != here.dimension) {
+    refuse("The file says of its vocabulary what is not so.");
+  }
+}
+
+// Runs what reads or copies a stranger's file.
+template <typename Read>
+auto from_file(Read&& read) {
   try {
-    return std::make_unique<MapFile>(path);
+    return read();
   } catch (const StoreError& error) {
     switch (error.kind()) {
       case StoreErrorKind::kForeignDatabase:
@@ -75,6 +98,7 @@ std::unique_ptr<MapFile> open_map_file(const std::filesystem::path& path) {
       case StoreErrorKind::kNewerVersion:
         refuse("The file is of a newer version of Mapweld than this server.");
       case StoreErrorKind::kCorrupt:
+      case StoreErrorKind::kConstraint:
         refuse(error.what());
       default:
         throw;
@@ -83,6 +107,9 @@ std::unique_ptr<MapFile> open_map_file(const std::filesystem::path& path) {
 }
 
 }  // namespace
+
+MapTransfer::MapTransfer(Store& store, MapService& maps, VocabularyService& vocabularies, std::filesystem::path folder)
+    : store_(store), maps_(maps), vocabularies_(vocabularies), folder_(std::move(folder)), life_(make_uuid()) {}
 
 MapTransfer::Exported MapTransfer::export_map(const std::string& name, const MapFileOptions& options) const {
   const ReadTransaction db = store_.read();
@@ -93,26 +120,29 @@ MapTransfer::Exported MapTransfer::export_map(const std::string& name, const Map
   BodyFile place(folder_);  // a name that is nobody else's, and gone afterwards
   std::filesystem::remove(place.path());
   mapweld::export_map(db, map.id, place.path(), options);
-  return {std::make_shared<const OpenFile>(place.path()),
-          map.uuid + "-" + std::to_string(map.revision) + (options.pixels ? "" : "-words")};
+  return {std::make_shared<const OpenFile>(place.path()), life_ + "-" + std::to_string(to_index(map.id)) + "-" +
+                                                              std::to_string(map.revision) +
+                                                              (options.pixels ? "" : "-words")};
 }
 
 contract::Map MapTransfer::import_map(const std::filesystem::path& path, const std::optional<std::string>& name,
                                       const Caller* caller) {
   if (name) contract::check_slug(*name, "The map's name");
-  const std::lock_guard proving(proving_);
-  const std::unique_ptr<MapFile> file = open_map_file(path);
+  const std::unique_lock proving(proving_, std::try_to_lock);
+  if (!proving) throw ContractError("busy", "Another file is being taken in. Try again when it is.");
+  const auto file = from_file([&] { return std::make_unique<MapFile>(path); });
   check_settings(file->map());
-  check_content(*file);
+  from_file([&] { check_content(*file); });
   const std::string own_name = name.value_or(file->map().name);
   require_use(caller, own_name);
+  require_free(store_.read(), own_name);
   const VocabularyId vocabulary = vocabulary_of(*file, caller);
+  std::string uuid = file->map().uuid;
+  std::ranges::transform(uuid, uuid.begin(), [](unsigned char c) { return std::tolower(c); });
   WriteTransaction db = store_.write();
-  if (find_map(db, own_name)) {
-    throw ContractError("name_taken", "There is a map named \"" + own_name + "\" already. Give another with ?name=.");
-  }
-  const bool uuid_is_free = contract::is_uuid(file->map().uuid) && !find_map_by_uuid(db, file->map().uuid);
-  mapweld::import_map(db, *file, own_name, uuid_is_free ? file->map().uuid : make_uuid(), vocabulary);
+  require_free(db, own_name);
+  if (!contract::is_uuid(uuid) || find_map_by_uuid(db, uuid)) uuid = make_uuid();
+  from_file([&] { mapweld::import_map(db, *file, own_name, uuid, vocabulary); });
   db.commit();
   return maps_.get(own_name);
 }
@@ -121,16 +151,29 @@ VocabularyId MapTransfer::vocabulary_of(MapFile& file, const Caller* caller) {
   const VocabularyRow& wanted = file.vocabulary();
   const std::vector<VocabularyRow> rows = list_vocabularies(store_.read(), 1000);
   const auto known = std::ranges::find(rows, wanted.sha256, &VocabularyRow::sha256);
-  if (known != rows.end()) return known->id;
+  if (known != rows.end()) {
+    require_same_words(wanted, *known);
+    return known->id;
+  }
   if (std::ranges::find(rows, wanted.name, &VocabularyRow::name) != rows.end()) {
-    throw ContractError("vocabulary_mismatch", "The map's words are of another vocabulary than the one that is named \"" +
-                                                   wanted.name + "\" here.");
+    throw ContractError(
+        "vocabulary_mismatch",
+        "The map's words are of another vocabulary than the one that is named \"" + wanted.name + "\" here.");
   }
   if (caller != nullptr && caller->role < Role::kAdmin) {
-    throw ContractError("vocabulary_mismatch", "The map's words are of the vocabulary \"" + wanted.name +
-                                                   "\", which this server has not; a key of the role admin can bring it.");
+    throw ContractError("vocabulary_mismatch",
+                        "The map's words are of the vocabulary \"" + wanted.name +
+                            "\", which this server has not; a key of the role admin can bring it.");
   }
-  vocabularies_.add(wanted.name, load_vocabulary_file(file.store().read(), wanted.id));
+  const auto bytes = load_vocabulary_file(file.store().read(), wanted.id);
+  try {
+    VocabularyRow row;
+    row.words = Vocabulary::deserialize(bytes)->words();
+    require_same_words(wanted, row);
+  } catch (const FormatError& error) {
+    refuse(error.what());
+  }
+  vocabularies_.add(wanted.name, bytes);
   return find_vocabulary(store_.read(), wanted.name).value().id;
 }
 

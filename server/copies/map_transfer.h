@@ -21,19 +21,19 @@ namespace mapweld::server {
 class MapTransfer {
  public:
   // `folder` is there, for files that have no name any more when a function returns. All must outlive this.
-  MapTransfer(Store& store, MapService& maps, VocabularyService& vocabularies, std::filesystem::path folder)
-      : store_(store), maps_(maps), vocabularies_(vocabularies), folder_(std::move(folder)) {}
+  MapTransfer(Store& store, MapService& maps, VocabularyService& vocabularies, std::filesystem::path folder);
 
   struct Exported {
     std::shared_ptr<const OpenFile> file;
-    std::string state;  // which state of the map it is
+    std::string state;  // which state of the map it is, in this life of the server
   };
   // no_such_map, map_is_merged.
   Exported export_map(const std::string& name, const MapFileOptions& options) const;
 
-  // Takes in a file that export_map wrote, here or elsewhere, as the map `name`, or under the name that it has. It keeps
-  // its uuid, unless that is taken here. A vocabulary that this server has not comes with it, if the caller may add one.
-  // `file` is changed. damaged_file, invalid_name, name_taken, vocabulary_mismatch, forbidden.
+  // Takes in a file that export_map wrote, here or elsewhere, as the map `name`, or under the name that it has. It
+  // keeps its uuid, unless that is taken here. A vocabulary that this server has not comes with it, if the caller may
+  // add one. `file` is changed. damaged_file, invalid_name, name_taken, vocabulary_mismatch, forbidden; busy while
+  // another file is taken in.
   contract::Map import_map(const std::filesystem::path& file, const std::optional<std::string>& name,
                            const Caller* caller);
 
@@ -44,6 +44,7 @@ class MapTransfer {
   MapService& maps_;
   VocabularyService& vocabularies_;
   const std::filesystem::path folder_;
+  const std::string life_;
   std::mutex proving_;  // files are proved one at a time: that reads all of them
 };
 

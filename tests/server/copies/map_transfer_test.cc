@@ -2,6 +2,8 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <iterator>
+#include <regex>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -21,7 +23,8 @@ using ::testing::HasSubstr;
 
 class MapTransferTest : public ::testing::Test {
  protected:
-  // A loop of photographs, one ignored, and another map between, so that numbers of rows differ from what they would be.
+  // A loop of photographs, one ignored, and another map between, so that numbers of rows differ from what they would
+  // be.
   void fill() {
     here_.post("/v1/maps", R"({"name":"other"})");
     here_.post("/v1/maps", R"({"name":"a","labels":{"robot":"p3at"},"parameters":{"verify_top":7}})");
@@ -81,7 +84,7 @@ TEST_F(MapTransferTest, TheCopyAnswersAsTheOriginal) {
   contract::Json copy = there_.get("/v1/maps/a").json();
   EXPECT_EQ(copy, here_.get("/v1/maps/a").json());
   std::string original = said(here_, "a");
-  EXPECT_EQ(said(there_, "a"), original);
+  EXPECT_TRUE(said(there_, "a") == original);
   EXPECT_TRUE(check_store(there_.services().store().read()).findings.empty());
   // It grows as the original does.
   const std::string next = "/v1/maps/a/images?name=next";
@@ -90,7 +93,7 @@ TEST_F(MapTransferTest, TheCopyAnswersAsTheOriginal) {
   here.erase("took_ms");
   there.erase("took_ms");
   EXPECT_EQ(there, here);
-  EXPECT_EQ(said(there_, "a"), said(here_, "a"));
+  EXPECT_TRUE(said(there_, "a") == said(here_, "a"));
 }
 
 TEST_F(MapTransferTest, TheSameMapGivesTheSameFileInPartsToo) {
@@ -99,8 +102,7 @@ TEST_F(MapTransferTest, TheSameMapGivesTheSameFileInPartsToo) {
   std::string parts;
   const std::string etag = here_.get("/v1/maps/a/export").header("ETag");
   while (parts.size() < whole.size()) {
-    const std::string range =
-        "bytes=" + std::to_string(parts.size()) + "-" + std::to_string(parts.size() + 99'999);
+    const std::string range = "bytes=" + std::to_string(parts.size()) + "-" + std::to_string(parts.size() + 99'999);
     const Answer part = here_.ask("GET", "/v1/maps/a/export", {{"Range", range}, {"If-Range", etag}});
     ASSERT_EQ(part.status, 206);
     parts += part.body;
@@ -131,7 +133,22 @@ TEST_F(MapTransferTest, NamesAndUuidsStayFree) {
   const Answer second = import("?name=b", file);
   EXPECT_EQ(second.status, 201);
   EXPECT_NE(second.json()["uuid"], uuid);
-  EXPECT_EQ(said(there_, "b"), said(there_, "a"));
+  const std::string said_of_b = std::regex_replace(said(there_, "b"), std::regex(R"("map":"b")"), R"("map":"a")");
+  EXPECT_TRUE(said_of_b == said(there_, "a"));
+}
+
+TEST_F(MapTransferTest, WhatIsDeletedStaysBehind) {
+  fill();
+  const std::string bytes = photo_jpeg(1, 4).substr(200, 400);
+  ASSERT_NE(here_.get("/v1/maps/a/export").body.find(bytes), std::string::npos);
+  here_.del("/v1/maps/a/vertices/4");
+  const std::string file = here_.get("/v1/maps/a/export").body;
+  EXPECT_EQ(file.find(bytes), std::string::npos);
+  ASSERT_EQ(import("", file).status, 201);
+  EXPECT_TRUE(check_store(there_.services().store().read()).findings.empty());
+  EXPECT_TRUE(said(there_, "a") == said(here_, "a"));
+  EXPECT_EQ(there_.post("/v1/maps/a/vertices/4/restore", "").code(), "no_such_vertex");
+  EXPECT_EQ(there_.post_image("/v1/maps/a/images?name=next", photo_jpeg(1, 5)).json()["vertex"], 5);
 }
 
 TEST_F(MapTransferTest, AMergedMapIsExportedByItsMembers) {
@@ -152,7 +169,7 @@ TEST_F(MapTransferTest, AVocabularyThatIsNotThereComesAlong) {
   }
   ASSERT_EQ(import("", file).status, 201);
   EXPECT_EQ(there_.get("/v1/maps/a").json()["vocabulary"], "words");
-  EXPECT_EQ(said(there_, "a"), said(here_, "a"));
+  EXPECT_TRUE(said(there_, "a") == said(here_, "a"));
   {
     WriteTransaction db = there_.services().store().write();
     db.prepare("UPDATE vocabularies SET sha256 = zeroblob(32) WHERE name = 'words'").run();
@@ -179,7 +196,8 @@ TEST_F(MapTransferTest, WhatStrangersSendIsRefusedAndNothingChanges) {
       "PRAGMA user_version = 1000",
       "PRAGMA user_version = 0",
       "DELETE FROM maps",
-      "INSERT INTO maps SELECT id + 1, '00000000-0000-4000-8000-000000000000', 'b', kind, vocabulary, parameters, labels, "
+      "INSERT INTO maps SELECT id + 1, '00000000-0000-4000-8000-000000000000', 'b', kind, vocabulary, parameters, "
+      "labels, "
       "created_at_us, 0, 0, 0, 0, 0, 0 FROM maps",
       "UPDATE maps SET kind = 'merged'",
       "UPDATE maps SET name = '../../etc'",
@@ -195,6 +213,15 @@ TEST_F(MapTransferTest, WhatStrangersSendIsRefusedAndNothingChanges) {
       "UPDATE appearances SET bytes = x'00'",
       "UPDATE edges SET evidence = x'00'",
       "UPDATE edges SET v = 4000000000",
+      "UPDATE edges SET confirmed = 0, doubt = 'nonsense'; UPDATE maps SET unconfirmed = edges",
+      "UPDATE vocabularies SET words = 4000000000",
+      "UPDATE maps SET revision = 9223372036854775807",
+      "UPDATE maps SET parameters = '{\"max_features\":20}'",
+      "UPDATE images SET sequence = x'ff' WHERE vertex = 1",
+      "UPDATE images SET sequence = CAST(x'ff' AS TEXT) WHERE vertex = 1",
+      "INSERT INTO segments (map, vocabulary, first_vertex, count, postings) SELECT id, vocabulary, 0, 1, 0 FROM maps",
+      "INSERT INTO vocabularies (name, words, dimension, descriptor, engine, sha256, file_bytes, created_at_us) SELECT "
+      "'w', words, dimension, descriptor, engine, sha256, 0, 0 FROM vocabularies",
       "DELETE FROM verifiers",
       "DELETE FROM vocabulary_chunks",
   };
