@@ -94,8 +94,12 @@ PurgeStatistics purge_deleted(WriteTransaction& db, MapId map) {
   statistics.segments = rewrite_segments(db, map, purged);
   sqlite::Statement remember = db.prepare("INSERT INTO purged_vertices (map, vertex) VALUES (?, ?)");
   sqlite::Statement remove = db.prepare("DELETE FROM images WHERE map = ? AND vertex = ?");
+  sqlite::Statement remove_likenesses = db.prepare(
+      "DELETE FROM image_bytes WHERE image IN (SELECT id FROM images WHERE map = ? AND vertex IS NULL AND similar_to = "
+      "?)");
   for (const VertexId vertex : purged.vertices()) {
     remember.bind_all(map, vertex).run();
+    remove_likenesses.bind_all(map, vertex).run();
     remove.bind_all(map, vertex).run();
   }
   db.prepare("UPDATE maps SET revision = revision + 1 WHERE id = ?").bind(1, map).run();
@@ -105,7 +109,11 @@ PurgeStatistics purge_deleted(WriteTransaction& db, MapId map) {
 void rewrite_database(const std::filesystem::path& file) {
   sqlite::Connection connection(file, sqlite::OpenMode::kReadWrite);
   connection.execute("PRAGMA secure_delete = ON; PRAGMA temp_store = FILE; VACUUM");
-  connection.prepare("PRAGMA wal_checkpoint(TRUNCATE)").run();
+  sqlite::Statement moved = connection.prepare("PRAGMA wal_checkpoint(TRUNCATE)");
+  if (!moved.step() || moved.integer(0) != 0) {
+    throw StoreError(StoreErrorKind::kBusy, "another process reads " + file.string() +
+                                                ": what was deleted is still in it. Purge again when it has ended");
+  }
 }
 
 }  // namespace mapweld

@@ -53,6 +53,7 @@ void purge(const fs::path& data, const std::string& name) {
               << std::endl;
   }
   rewrite_database(store.file());
+  fs::remove_all(data / "transit");  // copies of maps on their way, of a server that was killed
   std::cout << store.file().string() << ": " << fs::file_size(store.file()) << " bytes, nothing deleted among them"
             << std::endl;
 }
