@@ -208,7 +208,8 @@ DataFolder::DataFolder(const fs::path& folder, const DataFolderOptions& options)
 DataFolder::~DataFolder() = default;
 
 void restore_backup(const fs::path& backup, const fs::path& folder) {
-  if (!check_database_file(backup)) throw StoreError(StoreErrorKind::kNotFound, "there is no backup " + backup.string());
+  if (!check_database_file(backup))
+    throw StoreError(StoreErrorKind::kNotFound, "there is no backup " + backup.string());
   make_data_folder(folder);
   std::error_code error;
   const FolderLock lock(folder / kLockFile);

@@ -22,8 +22,9 @@ namespace mapweld {
 
 // The states of http-api.md.
 enum class JobState : std::uint8_t { kQueued, kRunning, kPaused, kBudgetExhausted, kCompleted, kCancelled, kFailed };
-inline constexpr std::array kJobStates = {JobState::kQueued,    JobState::kRunning,   JobState::kPaused, JobState::kBudgetExhausted,
-                                          JobState::kCompleted, JobState::kCancelled, JobState::kFailed};
+inline constexpr std::array kJobStates = {JobState::kQueued,          JobState::kRunning,   JobState::kPaused,
+                                          JobState::kBudgetExhausted, JobState::kCompleted, JobState::kCancelled,
+                                          JobState::kFailed};
 std::string_view to_string(JobState state);
 // nullopt for a word that is no state.
 std::optional<JobState> parse_job_state(std::string_view word);

@@ -24,8 +24,8 @@ class JsonFormatter final : public spdlog::formatter {
     Json head = {{"time", to_rfc3339(Timestamp(time.time_since_epoch()))},
                  {"level", std::string(level.data(), level.size())}};
     const std::string_view payload(message.payload.data(), message.payload.size());
-    const bool is_document = payload.size() > 2 && payload.front() == '{' && payload.back() == '}' &&
-                             message.logger_name != kDefault;
+    const bool is_document =
+        payload.size() > 2 && payload.front() == '{' && payload.back() == '}' && message.logger_name != kDefault;
     if (!is_document) head["message"] = payload;
     std::string line = head.dump(-1, ' ', true, Json::error_handler_t::replace);
     if (is_document) {

@@ -1,6 +1,7 @@
 #include <string>
 
 #include "server/api/api.h"
+#include "server/api/cursors.h"
 #include "server/api/replies.h"
 #include "server/http/files/file_reply.h"
 
@@ -30,9 +31,9 @@ void add_backup_routes(Router& router, const Services& services) {
               .pattern = "/v1/backups",
               .role = Role::kAdmin,
               .query = list_query(),
-              .handler = [&backups](const Request& request) {
-                const PageRequest page = page_of(request);
-                return json_reply(200, backups.list(page.limit, page.cursor));
+              .handler = [&backups, cursors = Cursors(services.store)](const Request& request) {
+                return cursors.reply(request,
+                                     [&](const PageRequest& page) { return backups.list(page.limit, page.cursor); });
               }});
   router.add({.method = "GET",
               .pattern = "/v1/backups/{backup}",
@@ -46,8 +47,8 @@ void add_backup_routes(Router& router, const Services& services) {
               .handler = [&backups](const Request& request) {
                 const std::int64_t id = backup_in_path(request);
                 const std::string name = "mapweld-backup-" + std::to_string(id) + ".db";
-                Reply reply = file_reply(request, backups.open(id), "application/vnd.sqlite3",
-                                         "\"" + std::to_string(id) + "\"");
+                Reply reply =
+                    file_reply(request, backups.open(id), "application/vnd.sqlite3", "\"" + std::to_string(id) + "\"");
                 reply.headers.emplace_back("Content-Disposition", "attachment; filename=\"" + name + "\"");
                 return reply;
               }});

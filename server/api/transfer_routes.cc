@@ -30,8 +30,8 @@ void add_transfer_routes(Router& router, const Services& services) {
               .query = {"name"},
               .handler = [&transfer, &events](const Request& request) {
                 if (request.body_file->bytes() == 0) throw contract::ContractError("empty_body", "The file is empty.");
-                const contract::Map map = transfer.import_map(request.body_file->path(), request.query.text("name"),
-                                                              request.caller.get());
+                const contract::Map map =
+                    transfer.import_map(request.body_file->path(), request.query.text("name"), request.caller.get());
                 tell_map(events, map.name, "created");
                 Reply reply = json_reply(201, map);
                 reply.subject = map.name;

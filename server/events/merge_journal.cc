@@ -83,8 +83,8 @@ void MergeJournal::write_down(JobId job) {
   const bool begins = row->state == JobState::kRunning;
   if (!begins && !contract::is_at_rest(state)) return;
   begins ? void(seen.verifications = row->spent.verifications) : count(job, row->spent.verifications);
-  contract::Json event = {{"event", "merge"}, {"merge", to_index(job)}, {"map", row->map_name},
-                          {"method", row->method}, {"state", state}};
+  contract::Json event = {
+      {"event", "merge"}, {"merge", to_index(job)}, {"map", row->map_name}, {"method", row->method}, {"state", state}};
   if (row->stop_reason) event["stop_reason"] = *row->stop_reason;
   if (row->error) event["error"] = *row->error;
   event["verifications"] = row->spent.verifications;

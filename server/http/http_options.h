@@ -25,17 +25,17 @@ struct ConnectionLimits {
 
 struct HttpOptions {
   std::string host = "127.0.0.1";
-  int port = 8080;                                   // 0: any free one
-  std::vector<std::string> allowed_hosts = {};       // host names that requests may be for, beside host_names.h's
-  std::string tls_certificate = {};                  // PEM file, with those that vouch for it; empty: no TLS
-  std::string tls_key = {};                          // PEM file
-  int threads = 32;                                  // requests worked on at the same time
-  std::size_t max_waiting = 256;                     // requests that may wait for a thread; more get 503 busy
-  std::size_t max_connections = 4096;                // at the same time, as far as there are descriptors
-  std::size_t max_body_bytes = 64 * 1024 * 1024;     // of one request
-  std::size_t max_bodies_bytes = 512 * 1024 * 1024;  // of all requests together; more get 503 busy
-  std::size_t max_json_bytes = 1024 * 1024;          // of a JSON document
-  std::filesystem::path body_folder = {};            // for bodies that become files; there when the server runs
+  int port = 8080;                                        // 0: any free one
+  std::vector<std::string> allowed_hosts = {};            // host names that requests may be for, beside host_names.h's
+  std::string tls_certificate = {};                       // PEM file, with those that vouch for it; empty: no TLS
+  std::string tls_key = {};                               // PEM file
+  int threads = 32;                                       // requests worked on at the same time
+  std::size_t max_waiting = 256;                          // requests that may wait for a thread; more get 503 busy
+  std::size_t max_connections = 4096;                     // at the same time, as far as there are descriptors
+  std::size_t max_body_bytes = 64 * 1024 * 1024;          // of one request
+  std::size_t max_bodies_bytes = 512 * 1024 * 1024;       // of all requests together; more get 503 busy
+  std::size_t max_json_bytes = 1024 * 1024;               // of a JSON document
+  std::filesystem::path body_folder = {};                 // for bodies that become files; there when the server runs
   std::uint64_t max_file_bytes = std::uint64_t{1} << 40;  // of such a body; the disk ends it sooner
   int max_requests_per_connection = 100'000;
   ConnectionLimits connection = {};

@@ -49,8 +49,8 @@ struct Request {
   std::string last_event_id;  // as sent; empty when absent
   std::string if_none_match;  // as sent; empty when absent
   bool accepts_gzip = false;
-  std::string range;          // as sent; empty when absent
-  std::string if_range;       // as sent; empty when absent
+  std::string range;     // as sent; empty when absent
+  std::string if_range;  // as sent; empty when absent
   std::string body;
   std::shared_ptr<BodyFile> body_file;  // instead of `body`, where the route wants that
   std::string request_id;

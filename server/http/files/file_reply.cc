@@ -65,8 +65,7 @@ void OpenFile::read(std::uint64_t at, std::size_t bytes, std::string& into) cons
   into.resize(before + bytes);
   std::size_t done = 0;
   while (done < bytes) {
-    const ssize_t got =
-        ::pread(descriptor_, into.data() + before + done, bytes - done, static_cast<off_t>(at + done));
+    const ssize_t got = ::pread(descriptor_, into.data() + before + done, bytes - done, static_cast<off_t>(at + done));
     if (got < 0 && errno == EINTR) continue;
     if (got == 0) errno = EIO;
     if (got <= 0) fail("cannot read a file that is being sent");
@@ -81,8 +80,7 @@ Reply file_reply(const Request& request, std::shared_ptr<const OpenFile> file, c
   reply.etag = etag;
   reply.headers = {{"Accept-Ranges", "bytes"}};
   ByteRange part{0, file->bytes()};
-  const bool may_be_part =
-      !request.knows(etag) && (request.if_range.empty() || request.if_range == etag);
+  const bool may_be_part = !request.knows(etag) && (request.if_range.empty() || request.if_range == etag);
   if (const auto range = may_be_part ? parse_range(request.range, file->bytes()) : std::nullopt) {
     if (range->count == 0) {
       throw contract::ContractError("range_not_satisfiable",

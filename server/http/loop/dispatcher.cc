@@ -142,8 +142,8 @@ void Dispatcher::consider_body(const Head& head, Plan& plan) const {
   }
   plan.takes_body = head.framing != Framing::kNone;
   plan.max_body_bytes = route.body == BodyRule::kFile ? max_file_bytes_
-                        : route.json_body           ? max_json_bytes_
-                                                    : max_body_bytes_;
+                        : route.json_body             ? max_json_bytes_
+                                                      : max_body_bytes_;
 }
 
 }  // namespace mapweld::server

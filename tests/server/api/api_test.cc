@@ -248,13 +248,6 @@ TEST(Api, ExplainsAnyPairOfAMerge) {
   EXPECT_EQ(api.get("/v1/merges/1/pairs/1/4?match=true").code(), "unknown_field");
 }
 
-TEST(Api, WhatIsNotThereYetSaysSo) {
-  ApiUnderTest api;
-  EXPECT_EQ(api.get("/v1/backups/1/content").status, 501);
-  EXPECT_EQ(api.post("/v1/backups", "").status, 501);
-  EXPECT_EQ(api.get("/v1/merges/9/events").code(), "no_such_merge");
-}
-
 TEST(Api, MergesByEveryMethodWithTheSameEdges) {
   ApiUnderTest api;
   for (const char* map : {"a", "b"}) {

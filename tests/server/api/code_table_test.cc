@@ -90,6 +90,8 @@ TEST_F(CodeTable, IsReachedWholeAndNothingStoredChanges) {
       {"no_such_mask", [&] { return api_.get("/v1/maps/a/mask").code(); }},
       {"no_such_vocabulary", [&] { return api_.get("/v1/vocabularies/x").code(); }},
       {"no_such_merge", [&] { return api_.get("/v1/merges/77").code(); }},
+      {"no_such_backup", [&] { return api_.get("/v1/backups/7").code(); }},
+      {"damaged_file", [&] { return api_.post("/v1/maps:import?name=x", "no map").code(); }},
       {"no_route", [&] { return api_.get("/v1/maps/a/route?from=0&to=3").code(); }},
       {"method_not_allowed", [&] { return api_.del("/v1/maps").code(); }},
       {"request_timeout", [&] { return raw("GET /healthz"); }},
@@ -125,7 +127,6 @@ TEST_F(CodeTable, IsReachedWholeAndNothingStoredChanges) {
       {"invalid_parameter", [&] { return api_.get("/v1/maps?limit=1001").code(); }},
       {"invalid_vocabulary", [&] { return api_.post("/v1/vocabularies?name=x", "hello").code(); }},
       {"headers_too_large", [&] { return raw(std::string(40'000, 'x')); }},
-      {"not_implemented", [&] { return api_.post("/v1/backups", "").code(); }},
       {"not_ready",
        [&] {
          api_.ready = false;
@@ -145,12 +146,12 @@ TEST_F(CodeTable, IsReachedWholeAndNothingStoredChanges) {
       {"busy", "HttpLimits.TurnsRequestsAwayWhenTooManyWait, AllBodiesTogetherHaveALimit"},
       {"shutting_down", "ImageService.AServerThatStopsRefusesWhatIsNotYetStored"},
       {"internal_error", "HttpServerTest.AnExceptionTellsTheClientNothingOfTheInside"},
-      {"no_such_backup", "backups are not offered yet"},
-      {"range_not_satisfiable", "ranges are ignored: HttpServerTest.RangesAreIgnored"},
+      {"range_not_satisfiable", "HttpFilesTest.WhatIsNoRangeIsIgnoredAndOneBeyondTheEndRefused"},
       {"unauthorized", "AccessApi.EachRoleOpensItsRoutesAndNoOther"},
       {"forbidden", "AccessApi.EachRoleOpensItsRoutesAndNoOther"},
       {"rate_limited", "AccessGateTest.AKeyHasItsRate"},
       {"quota_exceeded", "reserved: nobody has a quota yet"},
+      {"not_implemented", "reserved: whatever is settled is served"},
   };
   const std::string stored = dump_store(api_.services().store());
   for (const contract::CodeEntry& entry : contract::kCodes) {

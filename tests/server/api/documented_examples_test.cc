@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "client/contract/backup.h"
 #include "client/contract/graph.h"
 #include "client/contract/image.h"
 #include "client/contract/map.h"
@@ -99,8 +100,8 @@ TEST(DocumentedExamples, AreDocumentsOfTheContract) {
   for (const std::string& text : examples) {
     const Json example = parse_json(text);
     const bool known =
-        fits_any<contract::Vocabulary, Map, Upload, Vertex, IgnoredImage, contract::Localization, contract::Edge,
-                 Quality, contract::Route, SubmitMerge, Merge, Pair, contract::Problem>(example);
+        fits_any<contract::Vocabulary, Backup, Map, Upload, Vertex, IgnoredImage, contract::Localization,
+                 contract::Edge, Quality, contract::Route, SubmitMerge, Merge, Pair, contract::Problem>(example);
     EXPECT_TRUE(known) << text;
     if (!is_submission(example)) continue;
     EXPECT_NO_THROW(check(read_request<SubmitMerge>(example))) << text;

@@ -62,7 +62,8 @@ TEST_F(HttpFilesTest, RangesArePartsOfIt) {
 TEST_F(HttpFilesTest, WhatIsNoRangeIsIgnoredAndOneBeyondTheEndRefused) {
   give("0123456789");
   start();
-  for (const char* range : {"bytes=4-2", "bytes=", "bytes=-", "bytes=x-3", "lines=1-2", "bytes=1-2,4-5", "bytes=1-2x"}) {
+  for (const char* range :
+       {"bytes=4-2", "bytes=", "bytes=-", "bytes=x-3", "lines=1-2", "bytes=1-2,4-5", "bytes=1-2x"}) {
     EXPECT_THAT(ask(std::string("Range: ") + range + "\r\n"), StartsWith("HTTP/1.1 200 ")) << range;
   }
   EXPECT_EQ(code(ask("Range: bytes=10-\r\n")), "range_not_satisfiable");
