@@ -191,6 +191,7 @@ std::vector<VertexRow> find_vertices(const Reader& db, const MapLayout& layout, 
 AppearanceVector load_appearances(const Reader& db, MapId map, VocabularyId vocabulary, VertexId vertex) {
   sqlite::Statement row = db.prepare("SELECT bytes FROM appearances WHERE map = ? AND vertex = ? AND vocabulary = ?");
   if (!row.bind_all(map, vertex, vocabulary).step()) {
+    if (!absent_vertices(db, map, vertex, 1).empty()) return {};
     throw std::out_of_range("map " + std::to_string(to_index(map)) + " has no vertex " +
                             std::to_string(to_index(vertex)) + " under this vocabulary");
   }

@@ -53,7 +53,7 @@ void allow_little() {
   filter.allow_without_execution(SCMP_SYS(mprotect));
   // Libraries look at the machine when they are first used; what they find there does not matter.
   for (const int call : {SCMP_SYS(openat), SCMP_SYS(newfstatat), SCMP_SYS(access), SCMP_SYS(readlink),
-                         SCMP_SYS(sched_getaffinity), SCMP_SYS(sysinfo)}) {
+                         SCMP_SYS(sched_getaffinity), SCMP_SYS(sysinfo), SCMP_SYS(uname)}) {
     filter.refuse(call);
   }
   filter.load();

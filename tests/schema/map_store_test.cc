@@ -68,7 +68,7 @@ TEST_F(MapStoreTest, AMapComesBackAsItWasStored) {
     EXPECT_EQ(row->labels, R"({"robot":"p3at-2"})");
     EXPECT_EQ(row->created_at, map.created_at);
     EXPECT_EQ(row->vertices, 0U);
-    EXPECT_EQ(row->revision, 0U);
+    EXPECT_EQ(row->revision, 1U);  // it was changed once
   }
   EXPECT_FALSE(find_map(reader, "LAB-A"));
   EXPECT_FALSE(find_map(reader, MapId{99}));

@@ -85,7 +85,8 @@ TEST_F(QueryPlan, EdgesAreListedInTheirOrderFromWhereAPageBegins) {
   EXPECT_EQ(plans_of([&](const Reader& db, const MapLayout&) { list_merge_edges(db, job_, 10); }),
             (Plans{{"SEARCH edges USING INDEX edges_by_job (job=? AND rowid>?)"}}));
   EXPECT_EQ(plans_of([&](const Reader& db, const MapLayout&) { load_merge_edges(db, job_); }),
-            (Plans{{"SEARCH edges USING INDEX edges_by_job (job=?)"}}));
+            (Plans{{"MERGE (UNION ALL)", "LEFT", "SEARCH edges USING INDEX edges_by_job (job=?)", "RIGHT",
+                    "SEARCH deleted_edges USING INDEX deleted_edges_by_job (job=?)"}}));
   EXPECT_EQ(plans_of([&](const Reader& db, const MapLayout&) { load_judgements(db, a_); }),
             (Plans{{"SEARCH edges USING INDEX edges_in_order (map=?)"}}));
 }

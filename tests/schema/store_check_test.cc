@@ -32,10 +32,10 @@ TEST_F(StoreCheckTest, AWholeStoreHasNoFindingsAndIsCounted) {
   const StoreCheckReport report = check_store(store_.read(), options);
   EXPECT_TRUE(report.findings.empty()) << report.findings[0].where << ": " << report.findings[0].what;
   EXPECT_EQ(report.maps, 3U);
-  EXPECT_EQ(report.images, 41U);
-  EXPECT_EQ(report.appearances, 40U);
+  EXPECT_EQ(report.images, 42U);
+  EXPECT_EQ(report.appearances, 41U);
   EXPECT_EQ(report.segments, 2U);
-  EXPECT_EQ(report.edges, 39U);
+  EXPECT_EQ(report.edges, 40U);
   EXPECT_EQ(report.checkpoints, 4U);
   EXPECT_EQ(parts.size(), 9U);
 }
