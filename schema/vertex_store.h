@@ -96,7 +96,8 @@ std::vector<VertexRow> list_vertices(const Reader& db, const MapLayout& layout, 
 std::vector<VertexRow> find_vertices(const Reader& db, const MapLayout& layout, std::string_view name);
 
 // The appearance vector of a vertex of a plain map, bit for bit as inserted. Throws std::out_of_range when the map has
-// no such vertex under this vocabulary, StoreError kCorrupt when the blob is damaged. A deleted one still has it.
+// no such vertex under this vocabulary, StoreError kCorrupt when the blob is damaged. A deleted one still has it, a
+// purged one has none: nothing.
 AppearanceVector load_appearances(const Reader& db, MapId map, VocabularyId vocabulary, VertexId vertex);
 
 // Those of the vertices first .. first+count-1 of a plain map, in order; an empty one for each that is deleted or
