@@ -1,13 +1,14 @@
 #include "schema/row_checksums.h"
 
 #include <algorithm>
+#include <array>
 
 namespace mapweld {
 namespace {
 
 constexpr std::string_view kColumn = "checksum";
 constexpr const char* kRowId = "rowid";
-constexpr std::string_view kReckonedByInsert = "edges";
+constexpr std::array<std::string_view, 2> kReckonedByInsert = {"edges", "deleted_edges"};
 
 std::string in_quotes(std::string_view name) { return '"' + std::string(name) + '"'; }
 
@@ -84,7 +85,7 @@ void keep_row_checksums(sqlite::Connection& connection) {
   for (const ChecksummedTable& table : checksummed_tables(connection)) {
     const std::string on = " ON main." + in_quotes(table.name) + " BEGIN ";
     const std::string inserted = checksum_of(table.name, table.columns, "NEW");
-    if (table.name != kReckonedByInsert) {
+    if (std::ranges::find(kReckonedByInsert, table.name) == kReckonedByInsert.end()) {
       script += "CREATE TEMP TRIGGER " + in_quotes("checksum_inserted_" + table.name) + " AFTER INSERT" + on +
                 set_checksum_of_new(table, inserted) + "END;";
     }

@@ -7,7 +7,7 @@
 //
 // Rows of `edges` come by the hundred, and an insert that fires a trigger costs half as much again: SQLite keeps what
 // it needs to undo that one statement. There the INSERT itself says mapweld_checksum (edge_store.cc), and no trigger is
-// fired.
+// fired; nor is one where they are moved to (vertex_removal.cc).
 //
 // An update changes a checksum by what it changes in the row, so that what was wrong before stays wrong: a damaged row
 // is not made whole by counting something up in it.

@@ -16,13 +16,18 @@ constexpr std::string_view kColumns =
     "id, map, u, v, votes, matches, inliers, log10_false_alarms, evidence, verifier, confirmed, doubt, job, "
     "verifications, elapsed_s, confidence, judgement";
 
-// Moves one edge from a table to the other. Of `edges` the INSERT has to say the checksum (row_checksums.h).
+std::string checksum_in(const std::string& table) {
+  return "mapweld_checksum('" + table + "', " + std::string(kColumns) + ")";
+}
+
+// Moves one edge from a table to the other. The INSERT has to say the checksum (row_checksums.h): the old one, with
+// what the tables' names make of it, so that a damaged row is as damaged where it arrives.
 class EdgeMover {
  public:
   EdgeMover(const Reader& db, const std::string& from, const std::string& to)
       : copy_(db.prepare("INSERT INTO " + to + " (" + std::string(kColumns) + ", checksum) SELECT " +
-                         std::string(kColumns) + ", mapweld_checksum('" + to + "', " + std::string(kColumns) +
-                         ") FROM " + from + " WHERE id = ?")),
+                         std::string(kColumns) + ", mapweld_xor(checksum, " + checksum_in(from) + ", " +
+                         checksum_in(to) + ") FROM " + from + " WHERE id = ?")),
         remove_(db.prepare("DELETE FROM " + from + " WHERE id = ?")) {}
   void move(EdgeId edge) {
     copy_.bind(1, edge).run();

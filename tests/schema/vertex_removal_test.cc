@@ -3,6 +3,7 @@
 
 #include <map>
 #include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -252,6 +253,31 @@ TEST_F(VertexRemoval, DeletedImagesTakeNoEdges) {
   EXPECT_THROW(
       insert_vertex(db, maps_[0], vocabulary_, test::new_image("new", image), image, edges, test::test_verifier(db)),
       StoreError);
+}
+
+TEST_F(VertexRemoval, ADamagedEdgeIsAsDamagedWhereItIsMoved) {
+  {
+    sqlite::Connection stranger(store_.store().file(), sqlite::OpenMode::kReadWrite);
+    stranger.execute("UPDATE edges SET votes = votes + 1 WHERE id = (SELECT max(id) FROM edges WHERE job IS NULL)");
+  }
+  const auto damaged_in = [&] {
+    std::vector<std::string> tables;
+    for (const Finding& finding : check_store(store_.read()).findings) {
+      if (finding.where == where_of_checkpoint(job_)) continue;  // this merge has none
+      tables.push_back(finding.where.substr(0, finding.where.find(':')));
+    }
+    return tables;
+  };
+  EXPECT_EQ(damaged_in(), std::vector<std::string>{"edges"});
+  WriteTransaction db = store_.write();
+  const VertexId end = vertex(kVertices - 1);
+  delete_vertices(db, maps_[1], end, 1, test::at(1));
+  db.commit();
+  EXPECT_EQ(damaged_in(), std::vector<std::string>{"deleted_edges"});
+  WriteTransaction again = store_.write();
+  restore_vertex(again, maps_[1], end);
+  again.commit();
+  EXPECT_EQ(damaged_in(), std::vector<std::string>{"edges"});
 }
 
 TEST_F(VertexRemoval, AnImageMayLoseItsBytesOnly) {
