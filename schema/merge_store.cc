@@ -211,14 +211,20 @@ bool restart_merge(WriteTransaction& db, JobId job, std::optional<std::string> b
   return true;
 }
 
+std::uint64_t granted_edges_in(std::uint64_t granted, std::uint64_t before, std::uint64_t after) {
+  return granted + after - std::min(granted + after, before);
+}
+
 bool save_checkpoint(WriteTransaction& db, JobId job, std::uint64_t epoch, const CheckpointWrite& checkpoint) {
   const auto map = map_of_run(db, job, epoch);
   if (!map) return false;
   db.prepare(
         "UPDATE merges SET step = ?2, phase = ?3, elapsed_s = ?4, verifications = ?5, edges = ?6, "
+        "granted_edges = max(0, granted_edges + ?6 - ?9 - edges), "
         "progress = coalesce(?7, progress), checkpoint_at_us = ?8, updated_at_us = ?8 WHERE id = ?1")
       .bind_all(job, checkpoint.step, checkpoint.phase, checkpoint.spent.elapsed_s, checkpoint.spent.verifications,
-                checkpoint.spent.edges, checkpoint.progress, rows::microseconds(checkpoint.now))
+                checkpoint.spent.edges, checkpoint.progress, rows::microseconds(checkpoint.now),
+                checkpoint.edges.size())
       .run();
   for (const std::string& part : checkpoint.dropped_parts) delete_part(db, job, part);
   for (const CheckpointPart& part : checkpoint.parts) write_part(db, job, part);
@@ -229,7 +235,9 @@ bool save_checkpoint(WriteTransaction& db, JobId job, std::uint64_t epoch, const
 
 void rewrite_checkpoint(WriteTransaction& db, JobId job, std::span<const CheckpointPart> parts, std::uint64_t edges) {
   for (const CheckpointPart& part : parts) write_part(db, job, part);
-  db.prepare("UPDATE merges SET edges = ? WHERE id = ?").bind_all(edges, job).run();
+  db.prepare("UPDATE merges SET edges = ?1, granted_edges = max(0, granted_edges + ?1 - edges) WHERE id = ?2")
+      .bind_all(edges, job)
+      .run();
 }
 
 std::vector<StoredPart> load_checkpoint(const Reader& db, JobId job) {

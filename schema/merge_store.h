@@ -127,6 +127,11 @@ struct CheckpointWrite {
 // False, and nothing written, when the epoch is not the job's or the job is not running.
 bool save_checkpoint(WriteTransaction& db, JobId job, std::uint64_t epoch, const CheckpointWrite& checkpoint);
 
+// A budget of edges is an allowance on top of those there were when it was given. Deleted and restored images take
+// edges from a state and give it others: what was `granted` when the state had `before` edges and has `after` without a
+// step of the merge.
+std::uint64_t granted_edges_in(std::uint64_t granted, std::uint64_t before, std::uint64_t after);
+
 // Replaces parts of the checkpoint of a job that nobody runs, whose state has `edges` edges from now on.
 void rewrite_checkpoint(WriteTransaction& db, JobId job, std::span<const CheckpointPart> parts, std::uint64_t edges);
 

@@ -13,8 +13,6 @@
 
 #include "core/merge/certificate/fraction_stop.h"
 #include "core/merge/run.h"
-#include "schema/blobs/merge_state_blob.h"
-#include "schema/merge_state_store.h"
 #include "schema/merge_store.h"
 #include "schema/store_error.h"
 #include "server/jobs/merge_eta.h"
@@ -23,6 +21,7 @@
 #include "server/jobs/merge_listener.h"
 #include "server/jobs/merge_watch.h"
 #include "server/jobs/pacer.h"
+#include "server/jobs/unstored_work.h"
 #include "server/services/times.h"
 
 namespace mapweld::server {
@@ -57,21 +56,21 @@ class Run {
         metrics_pacer_(options.metrics_interval_s, options.metrics_cost_share / 2),
         certificate_pacer_(options.metrics_interval_s, options.metrics_cost_share / 2),
         metrics_interval_s_(options.metrics_interval_s),
-        log_(options.log) {
+        log_(options.log),
+        work_(loaded.state ? &*loaded.state : nullptr, std::move(loaded.absent)) {
     std::optional<std::uint64_t> fingerprint;
     if (loaded.state) {
-      edges_stored_ = loaded.state->edges.size();
       fingerprint = loaded.state->input_fingerprint;
-      if (!begins_anew(loaded)) mark_ = blobs::mark_of(*loaded.state);
+      if (begins_anew(loaded)) work_.begin_anew();
+      row_.granted_at.edges = granted_edges_in(row_.granted_at.edges, row_.spent.edges, loaded.state->edges.size());
       progress_.checkpoint_step = row_.step;
       const std::chrono::duration<double> age =
           row_.checkpoint_at ? now() - *row_.checkpoint_at : Timestamp::duration{};
       progress_.checkpoint_at = Clock::now() - std::chrono::duration_cast<Clock::duration>(age);
     }
-    absent_ = std::move(loaded.absent);
     merger_ = open_merger(loaded);
     // The search of a former version begins anew too.
-    if (fingerprint != merger_->state().input_fingerprint) mark_.reset();
+    if (fingerprint != merger_->state().input_fingerprint) work_.begin_anew();
     verifications_before_ = merger_->state().verifications;
     const MergeProgress before = progress_of(row_);
     revoked_before_ = before.revoked;
@@ -82,14 +81,13 @@ class Run {
 
   void execute() {
     began_ = Clock::now();
-    if (mark_) {
-      refresh_metrics();
-      publish();
-      checkpoints_.put_off(elapsed_s());
-    } else {
-      refresh_metrics();
+    refresh_metrics();
+    if (work_.begins_anew()) {
       keep_curve_point();
       save(std::nullopt);
+    } else {
+      publish();
+      checkpoints_.put_off(elapsed_s());
     }
     const std::optional<StopReason> reason = run(*merger_, stop_condition(), [this](const Merger&) { after_step(); });
     finish(reason);
@@ -129,9 +127,8 @@ class Run {
   void after_step() {
     const double now_s = elapsed_s();
     const MergeState& state = merger_->state();
-    while (edge_times_s_.size() < state.edges.size() - edges_stored_) {
-      const std::size_t edge = edges_stored_ + edge_times_s_.size();
-      edge_times_s_.push_back(now_s);
+    for (std::size_t edge = work_.timed_edges(); edge < state.edges.size(); ++edge) {
+      work_.time_next_edge(now_s);
       if (listener_) listener_->on_edge(job_, state.step, point_of(edge, !is_guarded_));
     }
     const bool phase_changed = state.phase != measured_phase_;
@@ -204,12 +201,11 @@ class Run {
   void keep_curve_point() {
     const MergeState& state = merger_->state();
     last_curve_s_ = elapsed_s();
-    if (!curve_.empty() && curve_.back().step == state.step) curve_.pop_back();
     const MergeMetrics& m = progress_.metrics;
-    curve_.push_back({state.step, last_curve_s_, state.verifications, state.edges.size(), progress_.confirmed,
-                      m.components, m.algebraic_connectivity, m.largest_vertices, m.largest_algebraic_connectivity,
-                      progress_.certified ? std::optional(progress_.certified->certified_fraction) : std::nullopt,
-                      std::string(to_string(state.phase))});
+    work_.keep({state.step, last_curve_s_, state.verifications, state.edges.size(), progress_.confirmed, m.components,
+                m.algebraic_connectivity, m.largest_vertices, m.largest_algebraic_connectivity,
+                progress_.certified ? std::optional(progress_.certified->certified_fraction) : std::nullopt,
+                std::string(to_string(state.phase))});
   }
 
   void publish() {
@@ -237,47 +233,22 @@ class Run {
     const double began_s = elapsed_s();
     const MergeState& state = merger_->state();
     publish();
-    const std::vector<blobs::MergeStatePart> encoded = blobs::encode_merge_state(state, mark_);
-    std::vector<CheckpointPart> parts;
-    for (const blobs::MergeStatePart& part : encoded) parts.push_back({part.name, part.bytes});
-    const std::vector<std::string> no_absence = {kAbsencePart};
-    const blobs::MergeStatePart absence = encode_absence({absent_});
-    if (!mark_ && !absent_.empty()) parts.push_back({absence.name, absence.bytes});
-    MergeWatch::Judgements judgements = watch_->tell_judgements(edges_stored_, end.has_value());
-    std::vector<NewEdge> edges;
-    for (std::size_t i = edges_stored_; i < state.edges.size(); ++i) {
-      const MergeEdge& e = state.edges[i];
-      edges.push_back({.u = e.u,
-                       .v = e.v,
-                       .votes = e.votes,
-                       .verification = e.verification,
-                       .judgement = std::move(judgements.of_the_new[i - edges_stored_]),
-                       .verifications = e.verifications,
-                       .elapsed_s = edge_times_s_[i - edges_stored_]});
-    }
-    CheckpointWrite checkpoint;
-    checkpoint.step = state.step;
-    checkpoint.phase = to_string(state.phase);
+    MergeWatch::Judgements judgements = watch_->tell_judgements(work_.first_edge(), end.has_value());
+    CheckpointWrite checkpoint = work_.checkpoint_of(state, std::move(judgements.of_the_new));
     checkpoint.progress = to_row(progress_);
-    checkpoint.parts = parts;
-    if (!mark_ && absent_.empty()) checkpoint.dropped_parts = no_absence;
-    checkpoint.edges = edges;
-    checkpoint.curve_points = curve_;
     checkpoint.now = now();
     while_there_is_space([&] {
       WriteTransaction db = store_.write();
       const PairVerifier& verifier = *merger_->input().verifier;
-      if (!edges.empty()) checkpoint.verifier = intern_verifier(db, verifier.version(), to_row(verifier.options()));
+      if (!checkpoint.edges.empty())
+        checkpoint.verifier = intern_verifier(db, verifier.version(), to_row(verifier.options()));
       checkpoint.spent = {elapsed_s(), state.verifications, state.edges.size()};
       if (!save_checkpoint(db, job_, control_.epoch(), checkpoint)) throw FencedOff{};
       set_judgements(db, row_.map, judgements.changed);
       if (end && !end_run(db, job_, control_.epoch(), *end)) throw FencedOff{};
       db.commit();
     });
-    mark_ = blobs::mark_of(state);
-    edges_stored_ = state.edges.size();
-    edge_times_s_.clear();
-    curve_.clear();
+    work_.stored(state);
     progress_.checkpoint_step = state.step;
     progress_.checkpoint_at = Clock::now();
     publish();
@@ -352,11 +323,7 @@ class Run {
   double metrics_interval_s_;
   std::function<void(const std::string&)> log_;
 
-  VertexSet absent_;
-  std::optional<blobs::MergeStateMark> mark_;  // what of the state is stored
-  std::size_t edges_stored_ = 0;
-  std::vector<double> edge_times_s_;  // of the edges that are not stored yet
-  std::vector<CurvePointRow> curve_;  // not stored yet
+  UnstoredWork work_;
   MergeProgress progress_;
   std::optional<std::size_t> measured_edges_;
   MergePhase measured_phase_ = MergePhase::kVoting;

@@ -67,6 +67,9 @@ class AbsentImages : public ::testing::TestWithParam<std::string_view> {
   MergeStatus run(std::optional<std::uint64_t> verifications = {}) {
     MergeBudget budget;
     budget.verifications = verifications;
+    return run(budget);
+  }
+  MergeStatus run(const MergeBudget& budget) {
     if (id_ == 0) {
       MergeRequest request = test::request_of(world_);
       request.budget = budget;
@@ -186,6 +189,24 @@ TEST_P(AbsentImages, AMergeThatBeginsOrBeginsAfreshWithoutThemDoesNotKnowThem) {
   expect_sound();
 }
 
+TEST_P(AbsentImages, ABudgetOfEdgesIsOnTopOfThoseThatAreThere) {
+  MergeBudget two;
+  two.edges = 2;
+  ASSERT_EQ(run(two).state, JobState::kBudgetExhausted);
+  run(two);
+  ASSERT_EQ(edges().size(), 4u);
+  const auto [u, v] = *edges().begin();
+  remove({u, v});
+  std::size_t there = edges().size();
+  ASSERT_LT(there, 4u);
+  ASSERT_EQ(run(two).state, JobState::kBudgetExhausted);
+  EXPECT_EQ(edges().size(), there + 2);
+  restore({u, v});
+  there = edges().size();
+  ASSERT_EQ(run(two).state, JobState::kBudgetExhausted);
+  EXPECT_EQ(edges().size(), there + 2);
+}
+
 TEST_P(AbsentImages, PurgedImagesLeaveAStateToGoOnFrom) {
   run(expected({}).size() / 2);
   remove({0, 3, 24, 30});
@@ -207,19 +228,8 @@ TEST_P(AbsentImages, PurgedImagesLeaveAStateToGoOnFrom) {
   expect_sound();
 }
 
-// Alignment's candidates depend on whole sequences: longer ones may leave a pair out that was verified before.
-std::vector<std::string_view> methods_with_one_candidate_set() {
-  std::vector<std::string_view> methods = merge_methods();
-  std::erase(methods, "alignment");
-  return methods;
-}
-
-INSTANTIATE_TEST_SUITE_P(Methods, AbsentImages, ::testing::ValuesIn(methods_with_one_candidate_set()),
-                         [](const auto& info) {
-                           std::string name(info.param);
-                           std::erase(name, '-');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(Methods, AbsentImages, ::testing::ValuesIn(test::methods_with_one_candidate_set()),
+                         [](const auto& info) { return test::name_of_test(info.param); });
 
 }  // namespace
 }  // namespace mapweld::server

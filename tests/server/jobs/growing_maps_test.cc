@@ -138,19 +138,8 @@ TEST_P(GrowingMaps, SurviveARestartBetweenGrowthAndCheckpoint) {
   EXPECT_EQ(stored_edges(id), edges_of(test::uninterrupted(world_)));
 }
 
-// Alignment's candidates depend on whole sequences: longer ones may leave a pair out that was verified before.
-std::vector<std::string_view> methods_with_one_candidate_set() {
-  std::vector<std::string_view> methods = merge_methods();
-  std::erase(methods, "alignment");
-  return methods;
-}
-
-INSTANTIATE_TEST_SUITE_P(Methods, GrowingMaps, ::testing::ValuesIn(methods_with_one_candidate_set()),
-                         [](const auto& info) {
-                           std::string name(info.param);
-                           std::erase(name, '-');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(Methods, GrowingMaps, ::testing::ValuesIn(test::methods_with_one_candidate_set()),
+                         [](const auto& info) { return test::name_of_test(info.param); });
 
 }  // namespace
 }  // namespace mapweld::server

@@ -61,11 +61,8 @@ TEST_P(MergeCheckTest, MergesOfEveryMethodGoOnFromWhereverTheyStopped) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, MergeCheckTest, testing::ValuesIn(merge_methods()), [](const auto& info) {
-  std::string name(info.param);
-  std::erase(name, '-');
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Methods, MergeCheckTest, testing::ValuesIn(merge_methods()),
+                         [](const auto& info) { return test::name_of_test(info.param); });
 
 using MergeCheckDamage = MergeCheckTest;
 

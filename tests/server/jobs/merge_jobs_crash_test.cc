@@ -109,9 +109,8 @@ TEST_P(MergeJobsCrash, KilledAtRandomMomentsEndsTheSame) {
 INSTANTIATE_TEST_SUITE_P(Methods, MergeJobsCrash,
                          ::testing::Combine(::testing::ValuesIn(merge_methods()), ::testing::Values(1, 2, 4)),
                          [](const auto& info) {
-                           std::string name(std::get<0>(info.param));
-                           std::erase(name, '-');
-                           return name + "On" + std::to_string(std::get<1>(info.param)) + "Threads";
+                           return test::name_of_test(std::get<0>(info.param)) + "On" +
+                                  std::to_string(std::get<1>(info.param)) + "Threads";
                          });
 
 }  // namespace

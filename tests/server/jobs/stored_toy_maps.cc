@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/merge/make_merger.h"
+#include "core/merge/merge_options.h"
 #include "core/merge/run.h"
 #include "schema/map_store.h"
 #include "schema/merge_state_store.h"
@@ -76,6 +77,18 @@ server::MergeJobOptions job_options(const std::shared_ptr<const PairVerifier>& v
   server::MergeJobOptions options;
   options.verifier = [verifier](const VerifierOptions&) { return verifier; };
   return options;
+}
+
+std::vector<std::string_view> methods_with_one_candidate_set() {
+  std::vector<std::string_view> methods = merge_methods();
+  std::erase(methods, "alignment");
+  return methods;
+}
+
+std::string name_of_test(std::string_view method) {
+  std::string name(method);
+  std::erase(name, '-');
+  return name;
 }
 
 }  // namespace mapweld::test

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -29,6 +30,12 @@ server::MergeRequest request_of(const ToyWorld& world, const std::string& name =
 
 // The state of the whole merge as core makes it, without a store and without interruption.
 MergeState uninterrupted(const ToyWorld& world);
+
+// All methods but alignment, whose candidates depend on whole sequences: longer ones may leave a pair out that was
+// verified before.
+std::vector<std::string_view> methods_with_one_candidate_set();
+// A method's name as that of a test: without hyphens.
+std::string name_of_test(std::string_view method);
 
 // The state in a job's last checkpoint, its edges from their table.
 MergeState stored_state(Store& store, std::int64_t job);
