@@ -71,6 +71,9 @@ void JudgeWorker::look_at(const MapRow& map) {
   Known& known = found->second;
   const bool is_quiet = !is_new && known.seen_edges == map.edges;
   known.seen_edges = map.edges;
+  // Deleting and restoring images counts as a judgement: edges may be others, though as many.
+  if (!is_new && known.judgements != map.judgements) known.judged_edges.reset();
+  known.judgements = map.judgements;
   if (is_new && !has_unjudged_edges(store_.read(), map.id)) known.judged_edges = map.edges;
   if (known.judged_edges.value_or(0) == map.edges) return;
   const bool has_grown = map.edges >= known.judged_edges.value_or(0) + known.judged_edges.value_or(0) / 8 + 64;
@@ -79,6 +82,7 @@ void JudgeWorker::look_at(const MapRow& map) {
   if (estimated_index_bytes(map.vertices, settings_of(map).parameters.max_features) > memory_bytes_) return;
   const JudgeStatistics judged = judge_map(store_, cache_, map);
   known.judged_edges = judged.edges;
+  if (judged.changed > 0) ++known.judgements;
   known.not_before = Clock::now() + kShareOfACore * (Clock::now() - began);
   spdlog::debug("judged the {} edges of {}: {} changed", judged.edges, map.name, judged.changed);
 }

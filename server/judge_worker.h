@@ -36,6 +36,7 @@ class JudgeWorker {
   struct Known {
     std::uint64_t seen_edges = 0;                 // at the last look
     std::optional<std::uint64_t> judged_edges{};  // none: not judged by this server
+    std::uint64_t judgements = 0;                 // of the map then
     Clock::time_point not_before{};               // to be judged again
   };
   void work();
