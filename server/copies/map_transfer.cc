@@ -113,10 +113,8 @@ MapTransfer::MapTransfer(Store& store, MapService& maps, VocabularyService& voca
 
 MapTransfer::Exported MapTransfer::export_map(const std::string& name, const MapFileOptions& options) const {
   const ReadTransaction db = store_.read();
-  const MapRow map = require_map(db, name);
-  if (map.kind == MapKind::kMerged) {
-    throw ContractError("map_is_merged", "A merged map is a view of its members: export them, and merge them there.");
-  }
+  const MapRow map =
+      require_plain_map(db, name, "a view of its members: export them, and merge them where they arrive.");
   BodyFile place(folder_);  // a name that is nobody else's, and gone afterwards
   std::filesystem::remove(place.path());
   mapweld::export_map(db, map.id, place.path(), options);

@@ -34,6 +34,15 @@ inline LeafVertex require_vertex(const Reader& db, const MapRow& map, const MapL
                                                       (standing == VertexStanding::kDeleted ? "." : " and purged."));
 }
 
+// The same of a plain map. Throws ContractError map_is_merged for a merged one, of which `instead` says what holds: a
+// sentence's end.
+inline MapRow require_plain_map(const Reader& db, std::string_view name, std::string_view instead) {
+  MapRow map = require_map(db, name);
+  if (map.kind != MapKind::kMerged) return map;
+  throw contract::ContractError("map_is_merged",
+                                "\"" + std::string(name) + "\" is a merged map; " + std::string(instead));
+}
+
 // Names of maps by id, each read once.
 class MapNames {
  public:

@@ -14,18 +14,12 @@ namespace {
 
 using contract::ContractError;
 
-MapRow require_plain_map(const Reader& db, const std::string& name) {
-  MapRow map = require_map(db, name);
-  if (map.kind == MapKind::kMerged) {
-    throw ContractError("map_is_merged", "\"" + name + "\" is a merged map; its members have their own masks.");
-  }
-  return map;
-}
+constexpr std::string_view kInstead = "its members have their own masks.";  // of a merged map
 
 }  // namespace
 
 void MaskService::set(const std::string& map, std::span<const std::uint8_t> png) {
-  require_plain_map(store_.read(), map);
+  require_plain_map(store_.read(), map, kInstead);
   const cv::Mat mask = mask_of(decoder_.decode(png, false));
   MaskRow row;
   row.sha256 = sha256(png);
@@ -34,7 +28,7 @@ void MaskService::set(const std::string& map, std::span<const std::uint8_t> png)
   row.used_pixels = cv::countNonZero(mask);
   row.set_at = now();
   WriteTransaction db = store_.write();
-  set_mask(db, require_plain_map(db, map).id, row, png);
+  set_mask(db, require_plain_map(db, map, kInstead).id, row, png);
   db.commit();
 }
 
@@ -49,7 +43,7 @@ StoredImage MaskService::get(const std::string& map) const {
 
 void MaskService::clear(const std::string& map) {
   WriteTransaction db = store_.write();
-  if (clear_mask(db, require_plain_map(db, map).id)) db.commit();
+  if (clear_mask(db, require_plain_map(db, map, kInstead).id)) db.commit();
 }
 
 cv::Mat mask_in(const std::optional<std::vector<std::uint8_t>>& png, ImageDecoder& decoder) {

@@ -14,13 +14,7 @@ namespace {
 
 using contract::ContractError;
 
-MapRow require_plain_map(const Reader& db, const std::string& name) {
-  MapRow map = require_map(db, name);
-  if (map.kind == MapKind::kMerged) {
-    throw ContractError("map_is_merged", "\"" + name + "\" is a merged map; its images are those of its members.");
-  }
-  return map;
-}
+constexpr std::string_view kInstead = "its images are those of its members.";  // of a merged map
 
 void require_merges_at_rest(const Reader& db, const MapRow& map) {
   for (const MapRow& merged : list_all_merged_over(db, map.id)) {
@@ -36,11 +30,11 @@ void require_merges_at_rest(const Reader& db, const MapRow& map) {
 
 template <typename Change>
 void RemovalService::change(const std::string& name, const Change& change) {
-  const MapId id = require_plain_map(store_.read(), name).id;
+  const MapId id = require_plain_map(store_.read(), name, kInstead).id;
   const auto turn = cache_.writer_turn(id);
   {
     WriteTransaction db = store_.write(Store::Purpose::kDelete);
-    const MapRow map = require_plain_map(db, name);
+    const MapRow map = require_plain_map(db, name, kInstead);
     if (map.id != id) throw ContractError("no_such_map", "The map \"" + name + "\" was deleted.");
     require_merges_at_rest(db, map);
     change(db, map);
@@ -79,7 +73,7 @@ std::int64_t RemovalService::remove_range(const std::string& map, std::uint32_t 
 
 void RemovalService::remove_image(const std::string& map, std::uint32_t vertex) {
   WriteTransaction db = store_.write(Store::Purpose::kDelete);
-  const MapRow row = require_plain_map(db, map);
+  const MapRow row = require_plain_map(db, map, kInstead);
   require_vertex(db, row, load_layout(db, row.id), vertex);
   delete_image_bytes(db, row.id, VertexId{vertex});
   db.commit();
