@@ -16,7 +16,7 @@ foreach(file IN LISTS FILES)
 endforeach()
 file(WRITE "${OUTPUT}"
 "// Written by embed_migrations.cmake from schema/migrations/*.sql.
-#include \"schema/migrations.h\"
+#include \"schema/engine/migrations.h\"
 
 namespace mapweld {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <array>
 
-#include "schema/data_folder.h"
-#include "schema/migrations.h"
-#include "schema/row_checksums.h"
+#include "schema/engine/data_folder.h"
+#include "schema/engine/migrations.h"
+#include "schema/engine/row_checksums.h"
 #include "schema/rows.h"
 
 namespace mapweld {

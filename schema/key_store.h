@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "schema/database.h"
-#include "schema/file_check.h"
+#include "schema/engine/database.h"
+#include "schema/engine/file_check.h"
 #include "schema/store_types.h"
 
 namespace mapweld {

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "core/types.h"
-#include "schema/database.h"
-#include "schema/store_error.h"
+#include "schema/engine/database.h"
+#include "schema/engine/store_error.h"
 #include "schema/store_types.h"
 
 namespace mapweld::rows {

@@ -8,8 +8,8 @@
 #include <sqlite3.h>
 #include <sys/stat.h>
 
-#include "schema/row_checksums.h"
-#include "schema/system_error.h"
+#include "schema/engine/row_checksums.h"
+#include "schema/engine/system_error.h"
 
 namespace mapweld {
 

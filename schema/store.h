@@ -23,8 +23,8 @@
 #include <string_view>
 #include <vector>
 
-#include "schema/database.h"
-#include "schema/space_reserve.h"
+#include "schema/engine/database.h"
+#include "schema/engine/space_reserve.h"
 
 namespace mapweld {
 

@@ -6,19 +6,19 @@
 
 #include <openssl/sha.h>
 
-#include "schema/absent_vertices.h"
 #include "schema/blobs/appearance_blob.h"
 #include "schema/blobs/evidence_blob.h"
 #include "schema/blobs/judgement_blob.h"
-#include "schema/edge_store.h"
-#include "schema/map_layout.h"
-#include "schema/merge_state_check.h"
-#include "schema/merge_store.h"
-#include "schema/migrations.h"
+#include "schema/engine/migrations.h"
+#include "schema/maps/absent_vertices.h"
+#include "schema/maps/edge_store.h"
+#include "schema/maps/map_layout.h"
+#include "schema/maps/vertex_store.h"
+#include "schema/maps/vocabulary_store.h"
+#include "schema/merges/merge_state_check.h"
+#include "schema/merges/merge_store.h"
 #include "schema/rows.h"
-#include "schema/segment_postings.h"
-#include "schema/vertex_store.h"
-#include "schema/vocabulary_store.h"
+#include "schema/segments/segment_postings.h"
 
 namespace mapweld {
 namespace {

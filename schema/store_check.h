@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "schema/file_check.h"
+#include "schema/engine/file_check.h"
 #include "schema/store.h"
 #include "schema/store_types.h"
 

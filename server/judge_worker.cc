@@ -6,7 +6,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "schema/edge_store.h"
+#include "schema/maps/edge_store.h"
 #include "server/maps/loaded_map.h"
 #include "server/maps/map_judge.h"
 #include "server/maps/map_settings.h"

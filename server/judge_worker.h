@@ -10,7 +10,7 @@
 #include <optional>
 #include <thread>
 
-#include "schema/map_store.h"
+#include "schema/maps/map_store.h"
 #include "schema/store.h"
 #include "server/maps/map_cache.h"
 

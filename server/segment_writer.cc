@@ -6,7 +6,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "schema/segment_store.h"
+#include "schema/segments/segment_store.h"
 
 namespace mapweld::server {
 namespace {

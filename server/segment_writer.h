@@ -9,7 +9,7 @@
 
 namespace mapweld::server {
 
-// Writes the segments that are due (schema/segment_store.h) whenever something was stored since the last look.
+// Writes the segments that are due (schema/segments/segment_store.h) whenever something was stored since the last look.
 class SegmentWriter {
  public:
   // `store` must outlive this.

@@ -14,8 +14,8 @@
 
 #include "core/feature/allocation.h"
 #include "core/geometry/epipolar_verifier.h"
-#include "schema/data_folder.h"
-#include "schema/map_store.h"
+#include "schema/engine/data_folder.h"
+#include "schema/maps/map_store.h"
 #include "server/access/access_gate.h"
 #include "server/access/addresses.h"
 #include "server/access/key_ring.h"

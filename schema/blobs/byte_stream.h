@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "schema/blobs/varint.h"
-#include "schema/store_error.h"
+#include "schema/engine/store_error.h"
 
 namespace mapweld::blobs {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "schema/map_layout.h"
+#include "schema/maps/map_layout.h"
 #include "schema/store.h"
 #include "server/http/message.h"
 #include "server/maps/map_opener.h"

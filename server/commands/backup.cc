@@ -8,7 +8,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "schema/data_folder.h"
+#include "schema/engine/data_folder.h"
 #include "schema/store_check.h"
 
 namespace mapweld::server {

@@ -10,9 +10,9 @@
 #include <CLI/CLI.hpp>
 
 #include "core/geometry/epipolar_verifier.h"
-#include "schema/data_folder.h"
+#include "schema/engine/data_folder.h"
 #include "schema/key_store.h"
-#include "schema/merge_store.h"
+#include "schema/merges/merge_store.h"
 #include "schema/store_check.h"
 #include "server/jobs/merge_check.h"
 

@@ -18,9 +18,9 @@
 #include <CLI/CLI.hpp>
 
 #include "core/geometry/epipolar_verifier.h"
-#include "schema/data_folder.h"
-#include "schema/map_layout.h"
-#include "schema/vertex_store.h"
+#include "schema/engine/data_folder.h"
+#include "schema/maps/map_layout.h"
+#include "schema/maps/vertex_store.h"
 #include "server/commands/progress_bar.h"
 #include "server/evaluation/candidate_verdicts.h"
 #include "server/evaluation/contact_sheet.h"

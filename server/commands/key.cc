@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "client/contract/names.h"
+#include "schema/engine/store_error.h"
 #include "schema/key_store.h"
-#include "schema/store_error.h"
 #include "server/access/key.h"
 #include "server/access/role.h"
 #include "server/services/hashing.h"

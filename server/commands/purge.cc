@@ -10,9 +10,9 @@
 
 #include <CLI/CLI.hpp>
 
-#include "schema/data_folder.h"
-#include "schema/map_store.h"
-#include "schema/purge.h"
+#include "schema/engine/data_folder.h"
+#include "schema/maps/map_store.h"
+#include "schema/maps/purge.h"
 
 namespace mapweld::server {
 namespace {

@@ -9,7 +9,7 @@
 #include <spdlog/spdlog.h>
 
 #include "client/contract/problem.h"
-#include "schema/data_folder.h"
+#include "schema/engine/data_folder.h"
 #include "server/http/wire/text.h"
 #include "server/services/paging.h"
 #include "server/services/times.h"

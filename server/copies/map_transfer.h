@@ -1,4 +1,4 @@
-// Maps that go from one server to another as files (schema/map_file.h).
+// Maps that go from one server to another as files (schema/maps/map_file.h).
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 #include <string>
 
 #include "client/contract/map.h"
-#include "schema/map_file.h"
+#include "schema/maps/map_file.h"
 #include "schema/store.h"
 #include "server/access/caller.h"
 #include "server/http/files/file_reply.h"

@@ -8,8 +8,8 @@
 
 #include "client/contract/codec.h"
 #include "client/contract/json.h"
-#include "schema/map_store.h"
-#include "schema/merge_store.h"
+#include "schema/maps/map_store.h"
+#include "schema/merges/merge_store.h"
 #include "server/jobs/merge_job_rows.h"
 
 namespace mapweld::server {

@@ -9,7 +9,7 @@
 
 #include "client/contract/json.h"
 #include "client/contract/merge.h"
-#include "schema/merge_store.h"
+#include "schema/merges/merge_store.h"
 #include "server/jobs/merge_job_rows.h"
 
 namespace mapweld::server {

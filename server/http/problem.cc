@@ -5,7 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include "core/errors.h"
-#include "schema/store_error.h"
+#include "schema/engine/store_error.h"
 
 namespace mapweld::server {
 namespace {

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "core/retrieval/voting.h"
-#include "schema/edge_store.h"
+#include "schema/maps/edge_store.h"
 #include "server/jobs/merge_input_loader.h"
 #include "server/jobs/merge_job_rows.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "schema/merge_store.h"
+#include "schema/merges/merge_store.h"
 #include "schema/store.h"
 #include "server/jobs/merge_job_options.h"
 

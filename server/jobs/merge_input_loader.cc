@@ -9,11 +9,11 @@
 
 #include "core/errors.h"
 #include "core/merge/make_merger.h"
-#include "schema/edge_store.h"
-#include "schema/map_layout.h"
-#include "schema/map_store.h"
-#include "schema/merge_state_store.h"
-#include "schema/vertex_store.h"
+#include "schema/maps/edge_store.h"
+#include "schema/maps/map_layout.h"
+#include "schema/maps/map_store.h"
+#include "schema/maps/vertex_store.h"
+#include "schema/merges/merge_state_store.h"
 #include "server/jobs/merge_job_rows.h"
 
 namespace mapweld::server {

@@ -13,9 +13,9 @@
 #include "core/merge/merge_input.h"
 #include "core/merge/merge_state.h"
 #include "core/merge/merger.h"
-#include "schema/absent_vertices.h"
-#include "schema/map_store.h"
-#include "schema/merge_store.h"
+#include "schema/maps/absent_vertices.h"
+#include "schema/maps/map_store.h"
+#include "schema/merges/merge_store.h"
 #include "schema/store.h"
 #include "server/jobs/merge_job_options.h"
 

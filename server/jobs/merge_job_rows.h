@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "schema/map_store.h"
-#include "schema/merge_store.h"
+#include "schema/maps/map_store.h"
+#include "schema/merges/merge_store.h"
 #include "server/jobs/merge_status.h"
 #include "server/jobs/run_control.h"
 
@@ -13,7 +13,7 @@ namespace mapweld::server {
 
 std::string to_row(const MergeParameters& parameters);
 std::string to_row(const MergeBudget& budget);
-// What a verifier is interned under (schema/edge_store.h).
+// What a verifier is interned under (schema/maps/edge_store.h).
 std::string to_row(const VerifierOptions& options);
 // metrics and words; the other numbers have columns of their own.
 std::string to_row(const MergeProgress& progress);

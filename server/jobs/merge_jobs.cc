@@ -4,8 +4,8 @@
 #include <map>
 #include <utility>
 
-#include "schema/map_store.h"
-#include "schema/merge_state_store.h"
+#include "schema/maps/map_store.h"
+#include "schema/merges/merge_state_store.h"
 #include "server/jobs/merge_job_rows.h"
 #include "server/jobs/merge_pages.h"
 #include "server/jobs/merge_submission.h"

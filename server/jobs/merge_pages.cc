@@ -2,8 +2,8 @@
 
 #include <charconv>
 
-#include "schema/edge_store.h"
-#include "schema/merge_store.h"
+#include "schema/maps/edge_store.h"
+#include "schema/merges/merge_store.h"
 
 namespace mapweld::server {
 

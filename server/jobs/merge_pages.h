@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "schema/database.h"
+#include "schema/engine/database.h"
 #include "server/jobs/merge_status.h"
 
 namespace mapweld::server {

@@ -13,8 +13,8 @@
 
 #include "core/merge/certificate/fraction_stop.h"
 #include "core/merge/run.h"
-#include "schema/merge_store.h"
-#include "schema/store_error.h"
+#include "schema/engine/store_error.h"
+#include "schema/merges/merge_store.h"
 #include "server/jobs/merge_eta.h"
 #include "server/jobs/merge_input_loader.h"
 #include "server/jobs/merge_job_rows.h"

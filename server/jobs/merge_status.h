@@ -12,7 +12,7 @@
 #include "core/guard/guard_evidence.h"
 #include "core/merge/member_table.h"
 #include "core/types.h"
-#include "schema/merge_store.h"
+#include "schema/merges/merge_store.h"
 
 namespace mapweld::server {
 

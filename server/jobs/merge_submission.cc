@@ -8,9 +8,9 @@
 
 #include "client/contract/names.h"
 #include "core/merge/merge_options.h"
-#include "schema/map_layout.h"
-#include "schema/map_store.h"
-#include "schema/merge_store.h"
+#include "schema/maps/map_layout.h"
+#include "schema/maps/map_store.h"
+#include "schema/merges/merge_store.h"
 #include "server/jobs/merge_job_rows.h"
 #include "server/services/uuid.h"
 

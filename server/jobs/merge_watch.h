@@ -13,7 +13,7 @@
 #include "core/merge/member_table.h"
 #include "core/merge/merge_metrics.h"
 #include "core/merge/merger.h"
-#include "schema/edge_store.h"
+#include "schema/maps/edge_store.h"
 #include "server/jobs/run_control.h"
 
 namespace mapweld::server {

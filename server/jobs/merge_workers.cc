@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "schema/merge_store.h"
+#include "schema/merges/merge_store.h"
 #include "server/jobs/merge_listener.h"
 #include "server/jobs/merge_run.h"
 #include "server/services/times.h"

@@ -8,9 +8,9 @@
 
 #include "core/merge/merge_state.h"
 #include "schema/blobs/merge_state_blob.h"
-#include "schema/edge_store.h"
-#include "schema/merge_state_store.h"
-#include "schema/merge_store.h"
+#include "schema/maps/edge_store.h"
+#include "schema/merges/merge_state_store.h"
+#include "schema/merges/merge_store.h"
 #include "server/jobs/merge_watch.h"
 
 namespace mapweld::server {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <mutex>
 
-#include "schema/edge_store.h"
-#include "schema/segment_store.h"
-#include "schema/vertex_store.h"
+#include "schema/maps/edge_store.h"
+#include "schema/maps/vertex_store.h"
+#include "schema/segments/segment_store.h"
 
 namespace mapweld::server {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/retrieval/inverted_index.h"
-#include "schema/map_store.h"
+#include "schema/maps/map_store.h"
 #include "schema/store.h"
 #include "server/maps/leaf_source.h"
 

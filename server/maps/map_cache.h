@@ -8,8 +8,8 @@
 #include <set>
 #include <span>
 
-#include "schema/edge_store.h"
-#include "schema/map_store.h"
+#include "schema/maps/edge_store.h"
+#include "schema/maps/map_store.h"
 #include "schema/store.h"
 #include "server/maps/loaded_map.h"
 #include "server/services/worker_pool.h"
@@ -38,8 +38,8 @@ class MapCache {
   // Held while a plain map is written to. Also serves maps that are not in memory.
   std::unique_lock<std::mutex> writer_turn(MapId map);
 
-  // What is thought of a plain map's edges was changed (schema/edge_store.h, set_judgements), and that is committed:
-  // the map in memory follows. To be called by whoever has held the map's turn since before the transaction.
+  // What is thought of a plain map's edges was changed (schema/maps/edge_store.h, set_judgements), and that is
+  // committed: the map in memory follows. To be called by whoever has held the map's turn since before the transaction.
   void follow_judgements(MapId map, std::span<const JudgedEdge> edges);
 
   // A map was deleted, or vertices of it were, or came back; the map's turn is then held since before the transaction.

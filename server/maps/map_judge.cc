@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "core/guard/guarded_map.h"
-#include "schema/edge_store.h"
-#include "schema/map_layout.h"
-#include "schema/vertex_store.h"
+#include "schema/maps/edge_store.h"
+#include "schema/maps/map_layout.h"
+#include "schema/maps/vertex_store.h"
 
 namespace mapweld::server {
 namespace {

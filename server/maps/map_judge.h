@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "schema/map_store.h"
+#include "schema/maps/map_store.h"
 #include "schema/store.h"
 #include "server/maps/map_cache.h"
 

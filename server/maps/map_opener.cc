@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "schema/edge_store.h"
+#include "schema/maps/edge_store.h"
 #include "server/maps/map_settings.h"
 #include "server/maps/stored_map.h"
 

@@ -5,8 +5,8 @@
 #include <memory>
 #include <mutex>
 
-#include "schema/map_layout.h"
-#include "schema/map_store.h"
+#include "schema/maps/map_layout.h"
+#include "schema/maps/map_store.h"
 #include "schema/store.h"
 #include "server/maps/map_cache.h"
 #include "server/maps/map_snapshot.h"

@@ -6,7 +6,7 @@
 
 #include "client/contract/map.h"
 #include "core/mapping/localizer.h"
-#include "schema/map_store.h"
+#include "schema/maps/map_store.h"
 
 namespace mapweld::server {
 

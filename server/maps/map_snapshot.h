@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/mapping/localizer.h"
-#include "schema/map_layout.h"
+#include "schema/maps/map_layout.h"
 #include "server/maps/leaf_source.h"
 
 namespace mapweld::server {

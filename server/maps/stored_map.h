@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "schema/segment_store.h"
+#include "schema/segments/segment_store.h"
 #include "schema/store.h"
 #include "server/maps/leaf_source.h"
 

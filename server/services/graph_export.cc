@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "client/contract/text.h"
-#include "schema/edge_store.h"
-#include "schema/map_layout.h"
-#include "schema/vertex_store.h"
+#include "schema/maps/edge_store.h"
+#include "schema/maps/map_layout.h"
+#include "schema/maps/vertex_store.h"
 #include "server/services/describe.h"
 #include "server/services/map_lookup.h"
 

@@ -7,10 +7,10 @@
 #include <string_view>
 
 #include "client/contract/problem.h"
-#include "schema/map_layout.h"
-#include "schema/map_store.h"
+#include "schema/maps/map_layout.h"
+#include "schema/maps/map_store.h"
+#include "schema/maps/vertex_removal.h"
 #include "schema/store.h"
-#include "schema/vertex_removal.h"
 
 namespace mapweld::server {
 

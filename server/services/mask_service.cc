@@ -4,7 +4,7 @@
 
 #include "client/contract/problem.h"
 #include "core/feature/mask.h"
-#include "schema/mask_store.h"
+#include "schema/maps/mask_store.h"
 #include "server/services/hashing.h"
 #include "server/services/map_lookup.h"
 #include "server/services/times.h"

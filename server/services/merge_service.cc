@@ -7,11 +7,11 @@
 #include "client/contract/problem.h"
 #include "core/mapping/localizer.h"
 #include "core/merge/member_table.h"
-#include "schema/edge_store.h"
-#include "schema/map_layout.h"
-#include "schema/map_store.h"
-#include "schema/merge_store.h"
-#include "schema/vertex_store.h"
+#include "schema/maps/edge_store.h"
+#include "schema/maps/map_layout.h"
+#include "schema/maps/map_store.h"
+#include "schema/maps/vertex_store.h"
+#include "schema/merges/merge_store.h"
 #include "server/services/times.h"
 
 namespace mapweld::server {

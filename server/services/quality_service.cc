@@ -9,9 +9,9 @@
 #include "core/graph/degrees.h"
 #include "core/graph/edge_connectivity.h"
 #include "core/graph/matching.h"
-#include "schema/absent_vertices.h"
-#include "schema/edge_store.h"
-#include "schema/merge_store.h"
+#include "schema/maps/absent_vertices.h"
+#include "schema/maps/edge_store.h"
+#include "schema/merges/merge_store.h"
 #include "server/maps/map_opener.h"
 #include "server/services/map_lookup.h"
 

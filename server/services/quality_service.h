@@ -7,8 +7,8 @@
 #include <string>
 
 #include "client/contract/graph.h"
-#include "schema/map_layout.h"
-#include "schema/map_store.h"
+#include "schema/maps/map_layout.h"
+#include "schema/maps/map_store.h"
 #include "schema/store.h"
 
 namespace mapweld::server {

@@ -3,9 +3,9 @@
 #include <optional>
 
 #include "client/contract/problem.h"
-#include "schema/merge_store.h"
-#include "schema/vertex_removal.h"
-#include "schema/vertex_store.h"
+#include "schema/maps/vertex_removal.h"
+#include "schema/maps/vertex_store.h"
+#include "schema/merges/merge_store.h"
 #include "server/services/map_lookup.h"
 #include "server/services/times.h"
 

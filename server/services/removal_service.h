@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "schema/map_store.h"
+#include "schema/maps/map_store.h"
 #include "schema/store.h"
 #include "server/maps/map_cache.h"
 

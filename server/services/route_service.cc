@@ -6,8 +6,8 @@
 #include "client/contract/problem.h"
 #include "core/graph/appearance_graph.h"
 #include "core/graph/route.h"
-#include "schema/edge_store.h"
-#include "schema/map_layout.h"
+#include "schema/maps/edge_store.h"
+#include "schema/maps/map_layout.h"
 #include "server/services/describe.h"
 #include "server/services/map_lookup.h"
 

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "schema/edge_store.h"
+#include "schema/maps/edge_store.h"
 
 namespace mapweld::server {
 namespace {

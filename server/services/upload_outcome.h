@@ -9,8 +9,8 @@
 
 #include "client/contract/image.h"
 #include "core/types.h"
+#include "schema/maps/vertex_store.h"
 #include "schema/store.h"
-#include "schema/vertex_store.h"
 
 namespace mapweld::server {
 

@@ -17,7 +17,7 @@
 #include "core/geometry/pair_verifier.h"
 #include "core/mapping/mapper.h"
 #include "core/vocabulary/vocabulary.h"
-#include "schema/map_store.h"
+#include "schema/maps/map_store.h"
 #include "schema/store.h"
 #include "server/maps/loaded_map.h"
 #include "server/maps/map_cache.h"

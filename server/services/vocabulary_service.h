@@ -13,8 +13,8 @@
 #include "client/contract/page.h"
 #include "client/contract/vocabulary.h"
 #include "core/vocabulary/vocabulary.h"
+#include "schema/maps/vocabulary_store.h"
 #include "schema/store.h"
-#include "schema/vocabulary_store.h"
 
 namespace mapweld::server {
 

@@ -28,11 +28,11 @@
 #include "core/merge/methods/alignment.h"
 #include "core/merge/run.h"
 #include "core/merge/vote_source.h"
-#include "schema/edge_store.h"
-#include "schema/map_layout.h"
-#include "schema/map_store.h"
+#include "schema/maps/edge_store.h"
+#include "schema/maps/map_layout.h"
+#include "schema/maps/map_store.h"
+#include "schema/maps/vertex_store.h"
 #include "schema/store.h"
-#include "schema/vertex_store.h"
 
 namespace {
 

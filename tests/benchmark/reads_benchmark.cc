@@ -17,7 +17,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "schema/merge_store.h"
+#include "schema/merges/merge_store.h"
 #include "server/api/replies.h"
 #include "server/services/graph_export.h"
 #include "server/services/map_service.h"

@@ -20,7 +20,7 @@
 #include <unistd.h>
 
 #include "core/retrieval/voting.h"
-#include "schema/segment_store.h"
+#include "schema/segments/segment_store.h"
 #include "schema/store_check.h"
 #include "tests/support/temp_store.h"
 

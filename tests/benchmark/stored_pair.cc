@@ -7,9 +7,9 @@
 
 #include "core/fingerprint.h"
 #include "core/geometry/portable_math.h"
-#include "schema/map_store.h"
+#include "schema/maps/map_store.h"
+#include "schema/maps/vertex_store.h"
 #include "schema/store.h"
-#include "schema/vertex_store.h"
 
 namespace mapweld::benchmark_support {
 

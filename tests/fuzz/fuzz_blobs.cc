@@ -11,7 +11,7 @@
 #include "schema/blobs/evidence_blob.h"
 #include "schema/blobs/judgement_blob.h"
 #include "schema/blobs/posting_blob.h"
-#include "schema/store_error.h"
+#include "schema/engine/store_error.h"
 
 namespace {
 

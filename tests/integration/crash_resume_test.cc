@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "client/client.h"
-#include "schema/data_folder.h"
-#include "schema/merge_store.h"
+#include "schema/engine/data_folder.h"
+#include "schema/merges/merge_store.h"
 #include "tests/integration/map_images.h"
 #include "tests/support/server_process.h"
 #include "tests/support/temp_store.h"

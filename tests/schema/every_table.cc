@@ -2,11 +2,11 @@
 
 #include <openssl/sha.h>
 
-#include "schema/mask_store.h"
-#include "schema/merge_store.h"
-#include "schema/purge.h"
-#include "schema/segment_store.h"
-#include "schema/vertex_removal.h"
+#include "schema/maps/mask_store.h"
+#include "schema/maps/purge.h"
+#include "schema/maps/vertex_removal.h"
+#include "schema/merges/merge_store.h"
+#include "schema/segments/segment_store.h"
 
 namespace mapweld::test {
 

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
-#include "schema/merge_store.h"
+#include "schema/merges/merge_store.h"
 #include "tests/support/temp_store.h"
 
 namespace mapweld {

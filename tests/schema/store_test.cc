@@ -9,7 +9,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "schema/segment_store.h"
+#include "schema/segments/segment_store.h"
 #include "schema/store_check.h"
 #include "tests/support/temp_store.h"
 

@@ -16,7 +16,7 @@
 #include <spdlog/spdlog.h>
 
 #include "client/contract/json.h"
-#include "schema/store_error.h"
+#include "schema/engine/store_error.h"
 #include "server/config.h"
 #include "tests/server/support/test_photos.h"
 #include "tests/support/temp_store.h"

@@ -12,7 +12,7 @@
 
 #include "core/vocabulary/appearance_vector.h"
 #include "schema/blobs/merge_state_blob.h"
-#include "schema/merge_store.h"
+#include "schema/merges/merge_store.h"
 #include "tests/core/retrieval/random_images.h"
 
 namespace mapweld::test {

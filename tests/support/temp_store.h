@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "core/merge/merge_state.h"
-#include "schema/data_folder.h"
-#include "schema/edge_store.h"
-#include "schema/map_store.h"
-#include "schema/vertex_store.h"
-#include "schema/vocabulary_store.h"
+#include "schema/engine/data_folder.h"
+#include "schema/maps/edge_store.h"
+#include "schema/maps/map_store.h"
+#include "schema/maps/vertex_store.h"
+#include "schema/maps/vocabulary_store.h"
 
 namespace mapweld::test {
 

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "schema/system_error.h"
+#include "schema/engine/system_error.h"
 
 namespace mapweld::server {
 

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "schema/edge_store.h"
-#include "schema/map_store.h"
+#include "schema/maps/edge_store.h"
+#include "schema/maps/map_store.h"
 #include "tests/server/support/api_under_test.h"
 #include "tests/server/support/test_photos.h"
 

@@ -8,8 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "schema/edge_store.h"
-#include "schema/vertex_store.h"
+#include "schema/maps/edge_store.h"
+#include "schema/maps/vertex_store.h"
 #include "tests/server/commands/run_command.h"
 #include "tests/support/temp_store.h"
 

@@ -12,9 +12,9 @@
 #include <openssl/sha.h>
 
 #include "schema/blobs/appearance_blob.h"
-#include "schema/segment_store.h"
+#include "schema/maps/vertex_removal.h"
+#include "schema/segments/segment_store.h"
 #include "schema/store_check.h"
-#include "schema/vertex_removal.h"
 #include "tests/server/commands/run_command.h"
 #include "tests/support/temp_store.h"
 

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "schema/data_folder.h"
+#include "schema/engine/data_folder.h"
 #include "schema/store_check.h"
 #include "tests/server/support/api_under_test.h"
 #include "tests/server/support/test_photos.h"

@@ -9,8 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "schema/database.h"
-#include "schema/row_checksums.h"
+#include "schema/engine/database.h"
+#include "schema/engine/row_checksums.h"
 #include "schema/store_check.h"
 #include "tests/server/support/api_under_test.h"
 #include "tests/server/support/test_photos.h"

@@ -11,10 +11,10 @@
 #include <gtest/gtest.h>
 
 #include "core/merge/merge_options.h"
-#include "schema/map_store.h"
-#include "schema/purge.h"
+#include "schema/maps/map_store.h"
+#include "schema/maps/purge.h"
+#include "schema/maps/vertex_removal.h"
 #include "schema/store_check.h"
-#include "schema/vertex_removal.h"
 #include "server/jobs/merge_check.h"
 #include "tests/server/jobs/stored_toy_maps.h"
 

@@ -8,7 +8,7 @@
 
 #include "core/merge/merge_options.h"
 #include "core/merge/run.h"
-#include "schema/map_store.h"
+#include "schema/maps/map_store.h"
 #include "tests/server/jobs/stored_toy_maps.h"
 
 namespace mapweld::server {

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "core/merge/merge_options.h"
-#include "schema/merge_state_check.h"
-#include "schema/merge_state_store.h"
+#include "schema/merges/merge_state_check.h"
+#include "schema/merges/merge_state_store.h"
 #include "server/jobs/merge_jobs.h"
 #include "tests/server/jobs/stored_toy_maps.h"
 

@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 #include "core/merge/merge_options.h"
-#include "schema/data_folder.h"
+#include "schema/engine/data_folder.h"
 #include "server/jobs/merge_jobs.h"
 #include "tests/server/jobs/stored_toy_maps.h"
 

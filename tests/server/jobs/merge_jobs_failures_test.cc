@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "schema/edge_store.h"
-#include "schema/merge_store.h"
-#include "schema/store_error.h"
+#include "schema/engine/store_error.h"
+#include "schema/maps/edge_store.h"
+#include "schema/merges/merge_store.h"
 #include "tests/server/jobs/jobs_fixture.h"
 
 namespace mapweld::server {

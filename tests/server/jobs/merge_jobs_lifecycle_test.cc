@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "schema/map_store.h"
-#include "schema/merge_store.h"
+#include "schema/maps/map_store.h"
+#include "schema/merges/merge_store.h"
 #include "tests/server/jobs/jobs_fixture.h"
 
 namespace mapweld::server {

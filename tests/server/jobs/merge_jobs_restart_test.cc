@@ -9,9 +9,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "schema/data_folder.h"
-#include "schema/map_store.h"
-#include "schema/merge_state_store.h"
+#include "schema/engine/data_folder.h"
+#include "schema/maps/map_store.h"
+#include "schema/merges/merge_state_store.h"
 #include "schema/store_check.h"
 #include "server/jobs/merge_jobs.h"
 #include "tests/server/jobs/jobs_fixture.h"

@@ -7,7 +7,7 @@
 
 #include "client/contract/merge.h"
 #include "core/merge/merge_options.h"
-#include "schema/map_store.h"
+#include "schema/maps/map_store.h"
 #include "server/jobs/merge_jobs.h"
 #include "tests/server/jobs/stored_toy_maps.h"
 

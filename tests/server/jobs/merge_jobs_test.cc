@@ -10,8 +10,8 @@
 #include "core/merge/make_merger.h"
 #include "core/merge/merge_metrics.h"
 #include "core/merge/run.h"
-#include "schema/edge_store.h"
-#include "schema/map_store.h"
+#include "schema/maps/edge_store.h"
+#include "schema/maps/map_store.h"
 #include "server/jobs/merge_watch.h"
 #include "tests/server/jobs/stored_toy_maps.h"
 

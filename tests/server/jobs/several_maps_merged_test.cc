@@ -9,7 +9,7 @@
 
 #include "core/merge/merge_options.h"
 #include "schema/blobs/merge_state_blob.h"
-#include "schema/merge_store.h"
+#include "schema/merges/merge_store.h"
 #include "tests/core/merge/verdict_log.h"
 #include "tests/server/jobs/stored_toy_maps.h"
 

@@ -6,9 +6,9 @@
 #include "core/merge/make_merger.h"
 #include "core/merge/merge_options.h"
 #include "core/merge/run.h"
-#include "schema/map_store.h"
-#include "schema/merge_state_store.h"
-#include "schema/vertex_store.h"
+#include "schema/maps/map_store.h"
+#include "schema/maps/vertex_store.h"
+#include "schema/merges/merge_state_store.h"
 
 namespace mapweld::test {
 

@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "core/retrieval/inverted_index.h"
-#include "schema/segment_store.h"
+#include "schema/segments/segment_store.h"
 #include "server/maps/stored_map.h"
 #include "tests/support/temp_store.h"
 

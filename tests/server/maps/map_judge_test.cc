@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/guard/guarded_map.h"
-#include "schema/edge_store.h"
+#include "schema/maps/edge_store.h"
 #include "server/judge_worker.h"
 #include "tests/support/temp_store.h"
 

@@ -9,8 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "schema/edge_store.h"
-#include "schema/vertex_store.h"
+#include "schema/maps/edge_store.h"
+#include "schema/maps/vertex_store.h"
 #include "server/services/image_service.h"
 #include "tests/server/support/services_under_test.h"
 #include "tests/server/support/test_photos.h"

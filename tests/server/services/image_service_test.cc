@@ -7,9 +7,9 @@
 #include <opencv2/core.hpp>
 
 #include "client/contract/problem.h"
-#include "schema/edge_store.h"
+#include "schema/maps/edge_store.h"
+#include "schema/maps/vertex_store.h"
 #include "schema/store_check.h"
-#include "schema/vertex_store.h"
 #include "server/maps/map_settings.h"
 #include "tests/server/support/services_under_test.h"
 #include "tests/server/support/test_photos.h"

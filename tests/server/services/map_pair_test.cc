@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "core/guard/guard_evidence.h"
-#include "schema/edge_store.h"
-#include "schema/map_store.h"
+#include "schema/maps/edge_store.h"
+#include "schema/maps/map_store.h"
 #include "tests/server/services/pairs_of_walls.h"
 #include "tests/support/temp_store.h"
 

@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "schema/map_store.h"
+#include "schema/maps/map_store.h"
+#include "schema/maps/vertex_store.h"
 #include "schema/store_check.h"
-#include "schema/vertex_store.h"
 #include "tests/server/support/services_under_test.h"
 #include "tests/server/support/test_photos.h"
 

@@ -6,10 +6,10 @@
 
 #include "client/contract/problem.h"
 #include "schema/blobs/appearance_blob.h"
-#include "schema/edge_store.h"
-#include "schema/map_store.h"
+#include "schema/maps/edge_store.h"
+#include "schema/maps/map_store.h"
+#include "schema/maps/vertex_store.h"
 #include "schema/store_check.h"
-#include "schema/vertex_store.h"
 #include "server/maps/map_judge.h"
 #include "server/services/graph_export.h"
 #include "tests/server/support/services_under_test.h"

@@ -10,9 +10,9 @@
 
 #include "client/contract/problem.h"
 #include "schema/blobs/merge_state_blob.h"
-#include "schema/edge_store.h"
-#include "schema/map_store.h"
-#include "schema/merge_store.h"
+#include "schema/maps/edge_store.h"
+#include "schema/maps/map_store.h"
+#include "schema/merges/merge_store.h"
 #include "tests/core/retrieval/random_images.h"
 #include "tests/server/jobs/stored_toy_maps.h"
 #include "tests/server/services/pairs_of_walls.h"

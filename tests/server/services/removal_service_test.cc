@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "client/contract/codec.h"
-#include "schema/map_store.h"
+#include "schema/maps/map_store.h"
 #include "schema/store_check.h"
 #include "server/services/graph_export.h"
 #include "server/services/pair_service.h"

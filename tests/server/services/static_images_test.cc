@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
-#include "schema/edge_store.h"
+#include "schema/maps/edge_store.h"
+#include "schema/maps/vertex_store.h"
 #include "schema/store_check.h"
-#include "schema/vertex_store.h"
 #include "tests/server/support/services_under_test.h"
 #include "tests/server/support/test_photos.h"
 #include "tests/server/support/uploads.h"
