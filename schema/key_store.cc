@@ -32,6 +32,19 @@ StoreError foreign(const std::filesystem::path& file) {
                     file.string() + " is the database of another application, not Mapweld's");
 }
 
+void refuse_other_version(sqlite::Connection& connection, const std::filesystem::path& file) {
+  if (connection.query_integer("PRAGMA application_id") != kKeysApplicationId) throw foreign(file);
+  const std::int64_t version = connection.query_integer("PRAGMA user_version");
+  if (version == kVersions.back().version) return;
+  if (version > kVersions.back().version) {
+    throw StoreError(StoreErrorKind::kNewerVersion,
+                     file.string() + " has schema version " + std::to_string(version) + "; install a newer Mapweld");
+  }
+  throw StoreError(StoreErrorKind::kOlderVersion, file.string() + " has schema version " + std::to_string(version) +
+                                                      ", this program " + std::to_string(kVersions.back().version) +
+                                                      ": start the server once to bring it up to date");
+}
+
 std::filesystem::path file_in(const std::filesystem::path& data_folder) {
   make_data_folder(data_folder);
   return data_folder / kFile;
@@ -40,29 +53,38 @@ std::filesystem::path file_in(const std::filesystem::path& data_folder) {
 }  // namespace
 
 KeyStore::KeyStore(const std::filesystem::path& data_folder, int busy_timeout_ms)
-    : connection_(file_in(data_folder), sqlite::OpenMode::kCreate) {
-  const std::int64_t application = connection_.query_integer("PRAGMA application_id");
+    : connection_(std::make_unique<sqlite::Connection>(file_in(data_folder), sqlite::OpenMode::kCreate)) {
+  const std::int64_t application = connection_->query_integer("PRAGMA application_id");
   if (application != kKeysApplicationId) {
-    if (application != 0 || connection_.query_integer("SELECT count(*) FROM sqlite_schema") != 0) {
+    if (application != 0 || connection_->query_integer("SELECT count(*) FROM sqlite_schema") != 0) {
       throw foreign(data_folder / kFile);
     }
-    connection_.execute("PRAGMA application_id = " + std::to_string(kKeysApplicationId));
+    connection_->execute("PRAGMA application_id = " + std::to_string(kKeysApplicationId));
   }
   // The folder's entry of the journal is synced too: a key that was said to be revoked stays so.
-  connection_.execute("PRAGMA synchronous = EXTRA");
-  migrate(connection_, kVersions);
-  keep_row_checksums(connection_);
-  connection_.set_busy_timeout_ms(busy_timeout_ms);
+  connection_->execute("PRAGMA synchronous = EXTRA");
+  migrate(*connection_, kVersions);
+  keep_row_checksums(*connection_);
+  connection_->set_busy_timeout_ms(busy_timeout_ms);
+}
+
+KeyStore KeyStore::open_read_only(const std::filesystem::path& data_folder, int busy_timeout_ms) {
+  const std::filesystem::path file = data_folder / kFile;
+  if (!std::filesystem::exists(file)) return KeyStore(nullptr);
+  auto connection = std::make_unique<sqlite::Connection>(file, sqlite::OpenMode::kReadOnly);
+  refuse_other_version(*connection, file);
+  connection->set_busy_timeout_ms(busy_timeout_ms);
+  return KeyStore(std::move(connection));
 }
 
 bool KeyStore::add(const KeyRow& key) {
-  sqlite::Transaction transaction(connection_, sqlite::Transaction::Kind::kWrite);
+  sqlite::Transaction transaction(*connection_, sqlite::Transaction::Kind::kWrite);
   {
-    sqlite::Statement taken = connection_.prepare("SELECT 1 FROM keys WHERE name = ? AND revoked_at_us IS NULL");
+    sqlite::Statement taken = connection_->prepare("SELECT 1 FROM keys WHERE name = ? AND revoked_at_us IS NULL");
     taken.bind(1, key.name);
     if (taken.step()) return false;
   }
-  connection_.prepare("INSERT INTO keys (name, role, maps, sha256, created_at_us) VALUES (?, ?, ?, ?, ?)")
+  connection_->prepare("INSERT INTO keys (name, role, maps, sha256, created_at_us) VALUES (?, ?, ?, ?, ?)")
       .bind_all(key.name, key.role, key.maps, std::span<const std::uint8_t>(key.sha256),
                 rows::microseconds(key.created_at))
       .run();
@@ -71,17 +93,18 @@ bool KeyStore::add(const KeyRow& key) {
 }
 
 bool KeyStore::revoke(const std::string& name, Timestamp at) {
-  sqlite::Transaction transaction(connection_, sqlite::Transaction::Kind::kWrite);
-  connection_.prepare("UPDATE keys SET revoked_at_us = ? WHERE name = ? AND revoked_at_us IS NULL")
+  sqlite::Transaction transaction(*connection_, sqlite::Transaction::Kind::kWrite);
+  connection_->prepare("UPDATE keys SET revoked_at_us = ? WHERE name = ? AND revoked_at_us IS NULL")
       .bind_all(rows::microseconds(at), name)
       .run();
-  const bool found = connection_.changes() > 0;
+  const bool found = connection_->changes() > 0;
   transaction.commit();
   return found;
 }
 
 std::vector<KeyRow> KeyStore::list() {
-  sqlite::Statement row = connection_.prepare(
+  if (!connection_) return {};
+  sqlite::Statement row = connection_->prepare(
       "SELECT name, role, maps, sha256, created_at_us, revoked_at_us FROM keys ORDER BY name, created_at_us");
   std::vector<KeyRow> keys;
   while (row.step()) {
@@ -95,23 +118,18 @@ std::vector<KeyRow> KeyStore::list() {
   return keys;
 }
 
-std::int64_t KeyStore::version() { return connection_.query_integer("PRAGMA data_version"); }
+std::int64_t KeyStore::version() { return connection_ ? connection_->query_integer("PRAGMA data_version") : 0; }
 
 void check_keys(const std::filesystem::path& data_folder, const TellFinding& found) {
   const std::filesystem::path file = data_folder / kFile;
   if (!std::filesystem::exists(file)) return;
   std::optional<std::string> damage;
   try {
-    // Not read-only: what a command that was killed has left half done is undone first, as by everybody who looks.
-    sqlite::Connection connection(file, sqlite::OpenMode::kReadWrite);
+    // What a command that was killed has left half done is undone first, as by everybody who looks and may write.
+    sqlite::Connection connection(
+        file, may_write_in(data_folder) ? sqlite::OpenMode::kReadWrite : sqlite::OpenMode::kReadOnly);
     const sqlite::Transaction state(connection, sqlite::Transaction::Kind::kRead);
-    if (connection.query_integer("PRAGMA application_id") != kKeysApplicationId) throw foreign(file);
-    const std::int64_t version = connection.query_integer("PRAGMA user_version");
-    if (version != kVersions.back().version) {
-      throw StoreError(StoreErrorKind::kOlderVersion, "it has schema version " + std::to_string(version) +
-                                                          ", this program " + std::to_string(kVersions.back().version) +
-                                                          ": start the server once to bring it up to date");
-    }
+    refuse_other_version(connection, file);
     check_integrity(connection, kFile, found);
     check_schema(connection, kVersions, kFile, found);
     check_rows(connection, found);

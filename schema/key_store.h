@@ -7,8 +7,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "schema/engine/database.h"
@@ -35,6 +37,9 @@ class KeyStore {
   // Opens the keys of a data folder; the folder and the file are made, for their owner only, when they are missing.
   // kForeignDatabase, kNewerVersion: as a DataFolder. `busy_timeout_ms`: how long to wait for another process (kBusy).
   explicit KeyStore(const std::filesystem::path& data_folder, int busy_timeout_ms = 5'000);
+  // The same of keys that are only looked at; nothing is made, and without a file there are none. kOlderVersion as
+  // well.
+  static KeyStore open_read_only(const std::filesystem::path& data_folder, int busy_timeout_ms);
 
   // False, and nothing stored, when a key of this name is in force. The hash must be another one than any before.
   bool add(const KeyRow& key);
@@ -46,7 +51,9 @@ class KeyStore {
   std::int64_t version();
 
  private:
-  sqlite::Connection connection_;
+  explicit KeyStore(std::unique_ptr<sqlite::Connection> connection) : connection_(std::move(connection)) {}
+
+  std::unique_ptr<sqlite::Connection> connection_;  // null: opened read-only, and there is no file
 };
 
 // Looks whether the keys of a data folder are whole, also beside whoever uses them; nothing when there are none. Damage

@@ -88,8 +88,8 @@ Store::Store(const std::filesystem::path& file, const StoreOptions& options)
   wal_ += "-wal";
   next_checkpoint_pages_ = options_.checkpoint_pages;
   next_restart_pages_ = options_.restart_pages;
-  if (options_.read_only) return;
   opened_ = identity_of(file_);
+  if (options_.read_only) return;
   reserve_.release_when_short();  // opening may need room itself
   writer_ = std::make_unique<Connection>(file_, sqlite::OpenMode::kReadWrite);
   writer_->set_busy_timeout_ms(options_.busy_timeout_ms);
@@ -155,7 +155,8 @@ ReadTransaction Store::read() {
 
 std::unique_ptr<Connection> Store::open_reader() {
   refuse_when_gone();  // another database may stand there
-  auto reader = std::make_unique<Connection>(file_, sqlite::OpenMode::kReadOnly);
+  auto reader = std::make_unique<Connection>(
+      file_, options_.immutable ? sqlite::OpenMode::kImmutable : sqlite::OpenMode::kReadOnly);
   reader->set_busy_timeout_ms(options_.busy_timeout_ms);
   reader->execute("PRAGMA cache_size = -" + std::to_string(options_.reader_cache_kib));
   return reader;

@@ -30,6 +30,7 @@ namespace mapweld {
 
 struct StoreOptions {
   bool read_only = false;                   // write() throws kNoPermission
+  bool immutable = false;                   // read_only, and nobody else writes either (OpenMode::kImmutable)
   std::uint32_t checkpoint_pages = 1'000;   // move the WAL into the database when it has so many pages (4 KiB each)
   std::uint32_t restart_pages = 16'000;     // and wait for readers, at most 250 ms, to start it over at so many
   int busy_timeout_ms = 5'000;              // how long to wait for a lock that another process holds
@@ -129,6 +130,8 @@ class Store {
   // A consistent copy of the database, taken while others read and write; `target` must not exist, and appears when it
   // is whole and safe on the disk. False: given up, and nothing is left. Thread-safe.
   bool backup(const std::filesystem::path& target, const GoesOn& goes_on = {});
+
+  bool is_read_only() const { return options_.read_only; }
 
   // The most pages the database may have (PRAGMA max_page_count): a quota, which answers kNoSpace beyond.
   void limit_pages(std::uint32_t pages);

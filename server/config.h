@@ -16,6 +16,7 @@ struct ServerConfig {
   std::filesystem::path data;
   HttpOptions http;
   AccessOptions access;
+  bool read_only = false;                           // serve what is there, and change nothing
   bool insecure = false;                            // any address may be listened on without keys
   int extract_threads = 0;                          // 0: one a core
   int decoders = 0;                                 // processes for decoding; 0: none; -1: one for each of those

@@ -22,6 +22,7 @@
 #include "server/api/api.h"
 #include "server/copies/backup_service.h"
 #include "server/copies/map_transfer.h"
+#include "server/copies/transit_folder.h"
 #include "server/decoding/decoder_pool.h"
 #include "server/events/event_hub.h"
 #include "server/events/map_events.h"
@@ -62,15 +63,21 @@ std::unique_ptr<DecoderPool> make_decoders(const ServerConfig& config) {
                          .max_file_bytes = config.http.max_body_bytes});
 }
 
-// For files on their way in or out, which have no name any more when they have arrived.
-std::filesystem::path transit_folder(const ServerConfig& config) { return config.data / "transit"; }
+DataFolderOptions folder_options(const ServerConfig& config) {
+  DataFolderOptions options;
+  if (config.read_only) options.access = DataFolderOptions::Access::kServeReadOnly;
+  return options;
+}
 
-// What a server that stopped was being sent is of no use to anybody.
-HttpOptions http_options(const ServerConfig& config) {
+AccessOptions access_options(const ServerConfig& config) {
+  AccessOptions options = config.access;
+  options.read_only = config.read_only;
+  return options;
+}
+
+HttpOptions http_options(const ServerConfig& config, const TransitFolder& transit) {
   HttpOptions options = config.http;
-  options.body_folder = transit_folder(config);
-  std::filesystem::remove_all(options.body_folder);
-  make_data_folder(options.body_folder);
+  options.body_folder = transit.path();
   return options;
 }
 
@@ -82,8 +89,10 @@ constexpr std::chrono::seconds kUploadGrace{3};
 class Server::Impl {
  public:
   explicit Impl(const ServerConfig& config)
-      : folder_(config.data),
+      : read_only_(config.read_only),
+        folder_(config.data, folder_options(config)),
         store_(folder_.store()),
+        transit_(config.data, config.read_only),
         cache_(store_, config.cache_mb * 1024 * 1024),
         opener_(store_, cache_),
         decoders_(make_decoders(config)),
@@ -101,17 +110,18 @@ class Server::Impl {
                                   const contract::Upload& upload) { tell_image(events_, map, upload); }}),
         localization_(store_, opener_, vocabularies_, workers_, decoder(), metrics_),
         backups_(store_, config.data / "backups"),
-        transfer_(store_, maps_, vocabularies_, transit_folder(config)),
+        transfer_(store_, maps_, vocabularies_, transit_.path()),
         removals_(store_, cache_),
-        keys_(config.data),
-        gate_(keys_, config.access, config.log_format),
-        http_(http_options(config), routes(), metrics_, &gate_),
-        segments_(store_),
-        judges_(store_, cache_, config.cache_mb << 20) {
+        keys_(config.data, config.read_only),
+        gate_(keys_, access_options(config), config.log_format),
+        http_(http_options(config, transit_), routes(), metrics_, &gate_) {
     refuse_open_door(config);
     choose_vocabulary(config);
     add_gauges();
     port_ = http_.bind();
+    if (read_only_) return;
+    segments_.emplace(store_);
+    judges_.emplace(store_, cache_, config.cache_mb << 20);
     jobs_.start();
   }
 
@@ -126,8 +136,8 @@ class Server::Impl {
     http_.serve();
     stop();
     jobs_stopper.join();
-    segments_.stop();
-    judges_.stop();
+    if (segments_) segments_->stop();
+    if (judges_) judges_->stop();
   }
 
   void reload_certificate() { http_.reload_certificate(); }
@@ -178,7 +188,9 @@ class Server::Impl {
   }
 
   void choose_vocabulary(const ServerConfig& config) {
-    if (config.vocabulary) {
+    if (read_only_) {
+      vocabularies_.set_default_from_store();
+    } else if (config.vocabulary) {
       vocabularies_.set_default(*config.vocabulary);
     } else if (!vocabularies_.set_default_from_store()) {
       if (const auto shipped = find_shipped_vocabulary()) {
@@ -241,9 +253,11 @@ class Server::Impl {
     }
   }
 
+  const bool read_only_;
   Metrics metrics_;
   DataFolder folder_;
   Store& store_;
+  const TransitFolder transit_;
   MapCache cache_;
   MapOpener opener_;
   const std::unique_ptr<DecoderPool> decoders_;  // null: images are decoded in this process
@@ -266,8 +280,8 @@ class Server::Impl {
   KeyRing keys_;
   AccessGate gate_;
   HttpServer http_;
-  SegmentWriter segments_;
-  JudgeWorker judges_;
+  std::optional<SegmentWriter> segments_;  // this and the next: none where nothing is changed
+  std::optional<JudgeWorker> judges_;
   int port_ = 0;
   std::atomic<bool> stopping_{false};
 };

@@ -26,6 +26,7 @@ inline constexpr std::array kCodes = {
 
     CodeEntry{"unauthorized", 401, "The server asks for a key"},
     CodeEntry{"forbidden", 403, "The key, or the page, may not do this"},
+    CodeEntry{"read_only", 403, "The server changes nothing"},
 
     CodeEntry{"no_such_path", 404, "There is nothing under this path"},
     CodeEntry{"no_such_map", 404, "There is no map of this name"},

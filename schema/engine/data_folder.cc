@@ -9,10 +9,10 @@
 #include <system_error>
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "schema/engine/folder_lock.h"
 #include "schema/engine/migrations.h"
 #include "schema/engine/system_error.h"
 
@@ -57,56 +57,6 @@ void create_database(const fs::path& file) {
   sync_folder(file.parent_path());
 }
 
-class FolderLock {
- public:
-  // Not taken when another process has it: ask held(). The folder itself is locked, and then the file: whoever removes
-  // the file lets no second server in. Some network file systems lock no folders; there the file has to do.
-  explicit FolderLock(const fs::path& file)
-      : folder_(::open(file.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)),
-        file_(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {
-    int error = file_ < 0 ? errno : 0;
-    if (error == 0 && !is_taken(folder_)) {
-      held_ = ::flock(file_, LOCK_EX | LOCK_NB) == 0;
-      if (!held_ && errno != EWOULDBLOCK) error = errno;
-    }
-    if (error != 0) {
-      close();
-      throw system_error_of(error, "cannot lock " + file.string());
-    }
-    held_ ? write_holder() : read_holder();
-  }
-  ~FolderLock() { close(); }
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
-  bool held() const { return held_; }
-  const std::string& holder() const { return holder_; }
-
- private:
-  // By another process; a folder that cannot be locked is not taken.
-  static bool is_taken(int folder) { return ::flock(folder, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; }
-
-  // For people only: a reader of this file may find a process that is gone.
-  void write_holder() {
-    const std::string text = std::to_string(::getpid()) + "\n";
-    if (::ftruncate(file_, 0) != 0 || ::pwrite(file_, text.data(), text.size(), 0) < 0) holder_.clear();
-  }
-  void read_holder() {
-    std::array<char, 32> text{};
-    const auto length = ::pread(file_, text.data(), text.size() - 1, 0);
-    if (length > 0) holder_ = std::string(text.data(), std::strcspn(text.data(), "\n"));
-  }
-  void close() const {
-    ::close(file_);
-    ::close(folder_);
-  }
-
-  const int folder_;
-  const int file_;
-  bool held_ = false;
-  std::string holder_;
-};
-
 }  // namespace
 
 // Looks at the file's header without SQLite, which might repair, lock or leave files beside a database that is not ours
@@ -142,6 +92,8 @@ bool check_database_file(const fs::path& file) {
   return true;
 }
 
+bool may_write_in(const fs::path& folder) { return ::faccessat(AT_FDCWD, folder.c_str(), W_OK, AT_EACCESS) == 0; }
+
 void make_data_folder(const fs::path& folder) {
   std::error_code error;
   if (fs::is_directory(folder, error)) return;
@@ -154,56 +106,97 @@ void make_data_folder(const fs::path& folder) {
   if (error) throw system_error_of(error.value(), "cannot create the data folder " + folder.string());
 }
 
-class DataFolder::Lock : public FolderLock {
-  using FolderLock::FolderLock;
-};
-
 DataFolder::DataFolder(const fs::path& folder, const DataFolderOptions& options) : folder_(folder) {
-  const bool serve = options.access == DataFolderOptions::Access::kServe;
-  const fs::path file = folder_ / kDatabaseFile;
-  const fs::path wal = folder_ / (std::string(kDatabaseFile) + "-wal");
-
-  // Before anything is made in the folder: a foreign database stays as it is, without even a lock beside it.
-  bool exists = check_database_file(file);
-  if (!exists && !serve) throw StoreError(StoreErrorKind::kNotFound, "there is no database in " + folder_.string());
-  if (serve) make_data_folder(folder_);
-
-  lock_ = std::make_unique<Lock>(folder_ / kLockFile);
-  if (serve && !lock_->held()) {
-    const std::string holder = lock_->holder().empty() ? "" : " (process " + lock_->holder() + ")";
-    throw StoreError(StoreErrorKind::kFolderInUse, "the data folder " + folder_.string() +
-                                                       " is in use by another server" + holder +
-                                                       "; stop it or choose another folder");
+  switch (options.access) {
+    case Access::kServe:
+      open_to_serve(options.store);
+      break;
+    case Access::kInspect:
+      may_write_in(folder_) ? open_to_inspect(options.store) : open_read_only(options.store);
+      break;
+    case Access::kServeReadOnly:
+      open_read_only(options.store);
+      break;
   }
+}
 
-  exists = check_database_file(file);
-  if (!exists && fs::exists(wal)) {
-    throw StoreError(StoreErrorKind::kCorrupt, wal.string() + " stands without its database " + file.string() +
+void DataFolder::open_to_serve(const StoreOptions& options) {
+  // Before anything is made in the folder: a foreign database stays as it is, without even a lock beside it.
+  check_database_file(file());
+  make_data_folder(folder_);
+  lock_ = std::make_unique<FolderLock>(lock_file(), FolderLock::Kind::kAlone);
+  refuse_when_in_use();
+
+  const bool exists = check_database_file(file());
+  if (!exists && fs::exists(wal())) {
+    throw StoreError(StoreErrorKind::kCorrupt, wal().string() + " stands without its database " + file().string() +
                                                    ": put the database back, or remove the WAL to begin anew");
   }
-  if (!exists) create_database(file);
-  if (serve) {
-    for (const fs::path& own : {file, wal, folder_ / (std::string(kDatabaseFile) + "-shm"), folder_ / kLockFile})
-      take_from_others(own);
-  }
-  StoreOptions store_options = options.store;
-  if (serve) {
-    sqlite::Connection connection(file, sqlite::OpenMode::kReadWrite);
+  if (!exists) create_database(file());
+  for (const fs::path& own : {file(), wal(), folder_ / (std::string(kDatabaseFile) + "-shm"), lock_file()})
+    take_from_others(own);
+  {
+    sqlite::Connection connection(file(), sqlite::OpenMode::kReadWrite);
     version_found_ = migrate(connection, migrations());
     if (!exists) version_found_ = 0;
-  } else {
-    if (lock_->held()) keeper_ = std::make_unique<sqlite::Connection>(file, sqlite::OpenMode::kReadWrite);
-    store_options.read_only = true;
-    sqlite::Connection connection(file, sqlite::OpenMode::kReadOnly);
-    version_found_ = static_cast<int>(connection.query_integer("PRAGMA user_version"));
-    if (version_found_ < schema_version()) {
-      throw StoreError(StoreErrorKind::kOlderVersion,
-                       file.string() + " has schema version " + std::to_string(version_found_) + ", this program " +
-                           std::to_string(schema_version()) + ": start the server once to bring it up to date");
-    }
   }
-  store_ = std::make_unique<Store>(file, store_options);
+  store_ = std::make_unique<Store>(file(), options);
 }
+
+void DataFolder::open_to_inspect(StoreOptions options) {
+  refuse_without_database();
+  lock_ = std::make_unique<FolderLock>(lock_file(), FolderLock::Kind::kAlone);
+  if (lock_->held()) keeper_ = std::make_unique<sqlite::Connection>(file(), sqlite::OpenMode::kReadWrite);
+  options.read_only = true;
+  open_as_it_is(options);
+}
+
+void DataFolder::open_read_only(StoreOptions options) {
+  refuse_without_database();
+  lock_ = std::make_unique<FolderLock>(lock_file(), FolderLock::Kind::kWithReaders);
+  refuse_when_in_use();
+  options.read_only = true;
+  std::error_code none;
+  options.immutable = fs::file_size(wal(), none) == 0 || none;
+  if (!options.immutable && !may_write_in(folder_)) {
+    throw StoreError(StoreErrorKind::kNoPermission,
+                     folder_.string() + " cannot be written, and " + wal().string() +
+                         " has changes that are not in the database yet: serve a backup, or a folder whose server was "
+                         "stopped");
+  }
+  open_as_it_is(options);
+}
+
+void DataFolder::open_as_it_is(const StoreOptions& options) {
+  {
+    sqlite::Connection connection(file(),
+                                  options.immutable ? sqlite::OpenMode::kImmutable : sqlite::OpenMode::kReadOnly);
+    version_found_ = static_cast<int>(connection.query_integer("PRAGMA user_version"));
+  }
+  if (version_found_ < schema_version()) {
+    throw StoreError(StoreErrorKind::kOlderVersion,
+                     file().string() + " has schema version " + std::to_string(version_found_) + ", this program " +
+                         std::to_string(schema_version()) + ": start the server once to bring it up to date");
+  }
+  store_ = std::make_unique<Store>(file(), options);
+}
+
+void DataFolder::refuse_without_database() const {
+  if (check_database_file(file())) return;
+  throw StoreError(StoreErrorKind::kNotFound, "there is no database in " + folder_.string());
+}
+
+void DataFolder::refuse_when_in_use() const {
+  if (lock_->held()) return;
+  const std::string holder = lock_->holder().empty() ? "" : " (process " + lock_->holder() + ")";
+  throw StoreError(StoreErrorKind::kFolderInUse, "the data folder " + folder_.string() +
+                                                     " is in use by another server" + holder +
+                                                     "; stop it or choose another folder");
+}
+
+fs::path DataFolder::file() const { return folder_ / kDatabaseFile; }
+fs::path DataFolder::wal() const { return folder_ / (std::string(kDatabaseFile) + "-wal"); }
+fs::path DataFolder::lock_file() const { return folder_ / kLockFile; }
 
 DataFolder::~DataFolder() = default;
 
@@ -212,7 +205,7 @@ void restore_backup(const fs::path& backup, const fs::path& folder) {
     throw StoreError(StoreErrorKind::kNotFound, "there is no backup " + backup.string());
   make_data_folder(folder);
   std::error_code error;
-  const FolderLock lock(folder / kLockFile);
+  const FolderLock lock(folder / kLockFile, FolderLock::Kind::kAlone);
   if (!lock.held()) throw StoreError(StoreErrorKind::kFolderInUse, folder.string() + " is in use by a server");
   const fs::path file = folder / kDatabaseFile;
   for (const fs::path& there : {file, fs::path(file.string() + "-wal")}) {

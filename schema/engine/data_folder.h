@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "schema/engine/folder_lock.h"
 #include "schema/store.h"
 
 namespace mapweld {
@@ -19,10 +20,16 @@ bool check_database_file(const std::filesystem::path& file);
 // Makes the folder, for its owner only (0700), when it is missing; what exists is left as it is.
 void make_data_folder(const std::filesystem::path& folder);
 
+// By this process, as who it is now.
+bool may_write_in(const std::filesystem::path& folder);
+
 struct DataFolderOptions {
   // kServe: takes the lock, creates what is missing, brings an older schema up to date.
   // kInspect: changes nothing, reads only, also beside a running server; keeps a server from starting when none runs.
-  enum class Access : std::uint8_t { kServe, kInspect } access = Access::kServe;
+  // Of a folder that may not be written it makes kServeReadOnly.
+  // kServeReadOnly: changes nothing, not even what stands beside the database; a folder that may not be written will
+  // do, and any number of processes have it so. No server that writes may have it: what is read stays as it is.
+  enum class Access : std::uint8_t { kServe, kInspect, kServeReadOnly } access = Access::kServe;
   StoreOptions store{.reserve_bytes = std::uint64_t{16} << 20};
 };
 
@@ -37,8 +44,8 @@ struct DataFolderOptions {
 // - Refused, and nothing changed: a folder in use by another process (kFolderInUse), a database of another application
 // or
 //   a file that is none (kForeignDatabase), of a newer version (kNewerVersion), a WAL without its database (kCorrupt),
-//   no rights (kNoPermission), no space (kNoSpace). When inspecting, also no database (kNotFound) and an older schema
-//   (kOlderVersion).
+//   no rights (kNoPermission), no space (kNoSpace). When nothing may be changed, also no database (kNotFound), an older
+//   schema (kOlderVersion), and in a folder that may not be written a WAL with content (kNoPermission).
 class DataFolder {
  public:
   explicit DataFolder(const std::filesystem::path& folder, const DataFolderOptions& options = {});
@@ -52,9 +59,19 @@ class DataFolder {
   int version_found() const { return version_found_; }
 
  private:
-  class Lock;
+  using Access = DataFolderOptions::Access;
+  void open_to_serve(const StoreOptions& options);
+  void open_to_inspect(StoreOptions options);
+  void open_read_only(StoreOptions options);
+  void open_as_it_is(const StoreOptions& options);
+  void refuse_without_database() const;
+  void refuse_when_in_use() const;
+  std::filesystem::path file() const;
+  std::filesystem::path wal() const;
+  std::filesystem::path lock_file() const;
+
   std::filesystem::path folder_;
-  std::unique_ptr<Lock> lock_;
+  std::unique_ptr<FolderLock> lock_;
   std::unique_ptr<sqlite::Connection> keeper_;  // inspecting alone: clears the WAL's files away when it closes last
   std::unique_ptr<Store> store_;
   int version_found_ = 0;

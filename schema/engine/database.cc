@@ -56,6 +56,27 @@ void create_for_owner(const std::filesystem::path& file) {
   if (descriptor >= 0) ::close(descriptor);
 }
 
+// https://www.sqlite.org/uri.html
+std::string immutable_uri(const std::filesystem::path& file) {
+  std::string uri = "file:";
+  for (const char letter : std::filesystem::absolute(file).string()) {
+    switch (letter) {
+      case '%':
+        uri += "%25";
+        break;
+      case '?':
+        uri += "%3f";
+        break;
+      case '#':
+        uri += "%23";
+        break;
+      default:
+        uri += letter;
+    }
+  }
+  return uri + "?immutable=1";
+}
+
 }  // namespace
 
 StoreError error_of(sqlite3* handle, int result, std::string_view doing) {
@@ -181,9 +202,13 @@ Connection::Connection(const std::filesystem::path& file, OpenMode mode) {
     case OpenMode::kReadOnly:
       flags |= SQLITE_OPEN_READONLY;
       break;
+    case OpenMode::kImmutable:
+      flags |= SQLITE_OPEN_READONLY | SQLITE_OPEN_URI;
+      break;
   }
   if (mode == OpenMode::kCreate) create_for_owner(file);
-  const int result = sqlite3_open_v2(file.c_str(), &handle_, flags, nullptr);
+  const std::string name = mode == OpenMode::kImmutable ? immutable_uri(file) : file.string();
+  const int result = sqlite3_open_v2(name.c_str(), &handle_, flags, nullptr);
   if (result != SQLITE_OK) {
     const StoreError error = error_of(handle_, result, "cannot open " + file.string());
     sqlite3_close_v2(handle_);
@@ -195,7 +220,7 @@ Connection::Connection(const std::filesystem::path& file, OpenMode mode) {
     execute(
         "PRAGMA foreign_keys = ON; PRAGMA synchronous = FULL; PRAGMA wal_autocheckpoint = 0;"
         "PRAGMA temp_store = MEMORY; PRAGMA cell_size_check = ON; PRAGMA secure_delete = FAST;");
-    if (mode == OpenMode::kReadOnly) execute("PRAGMA query_only = ON");
+    if (mode == OpenMode::kReadOnly || mode == OpenMode::kImmutable) execute("PRAGMA query_only = ON");
     register_checksum_functions(handle_);
   } catch (...) {
     sqlite3_close_v2(handle_);

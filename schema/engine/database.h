@@ -99,6 +99,8 @@ enum class OpenMode : std::uint8_t {
   kReadWrite,  // the file must exist
   kCreate,     // created when missing, for its owner only (0600), as the files that SQLite lays beside it are
   kReadOnly,   // and query_only
+  kImmutable,  // the same of a file that nobody changes while it is open, in a folder that may not be written: no
+               // locks, no WAL
 };
 
 // An open database file. Foreign keys are enforced, `synchronous` is FULL and nothing checkpoints by itself

@@ -77,6 +77,7 @@ Admission AccessGate::admit(const RequestHead& head) {
   }
   try {
     check(head, admission);
+    check_purpose(head);
   } catch (const ContractError& error) {
     admission.reply = refusal(error, head);
   }
@@ -113,6 +114,13 @@ void AccessGate::check_origin(const RequestHead& head) const {
   if (is_allowed_origin(head.origin)) return;
   throw ContractError("forbidden", "A page of " + head.origin +
                                        " may change nothing here. Start the server with --cors-origin to allow it.");
+}
+
+void AccessGate::check_purpose(const RequestHead& head) const {
+  if (!options_.read_only || head.route == nullptr || only_looks(head.method) || head.route->role <= Role::kRead)
+    return;
+  throw ContractError("read_only",
+                      "This server changes nothing: it was started with --read-only. Ask the server that writes.");
 }
 
 void AccessGate::check_rate(const std::string& who, const Rate& rate) {

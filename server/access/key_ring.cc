@@ -15,7 +15,9 @@ constexpr int kBusyTimeoutMs = 0;
 
 }  // namespace
 
-KeyRing::KeyRing(const std::filesystem::path& data_folder) : store_(data_folder, kBusyTimeoutMs) {
+KeyRing::KeyRing(const std::filesystem::path& data_folder, bool read_only)
+    : store_(read_only ? KeyStore::open_read_only(data_folder, kBusyTimeoutMs)
+                       : KeyStore(data_folder, kBusyTimeoutMs)) {
   const std::lock_guard lock(mutex_);
   refresh();
 }

@@ -16,8 +16,8 @@ namespace mapweld::server {
 // Thread-safe.
 class KeyRing {
  public:
-  // Throws StoreError.
-  explicit KeyRing(const std::filesystem::path& data_folder);
+  // `read_only`: nothing is made in the folder. Throws StoreError.
+  explicit KeyRing(const std::filesystem::path& data_folder, bool read_only = false);
 
   struct Finding {
     // Whether there is or ever was a key: then one is asked for. (Not "is in force": taking back the last key must not

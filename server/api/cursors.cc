@@ -26,6 +26,7 @@ std::string new_secret() {
 
 std::string secret_of(Store& store) {
   if (auto secret = find_meta(store.read(), kMetaKey)) return *std::move(secret);
+  if (store.is_read_only()) return new_secret();  // cursors live as long as this server
   WriteTransaction db = store.write();
   if (auto secret = find_meta(db, kMetaKey)) return *std::move(secret);
   const std::string secret = new_secret();

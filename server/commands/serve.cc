@@ -116,7 +116,7 @@ void serve(const ServerConfig& config) {
   const bool ipv6 = config.http.host.find(':') != std::string::npos;
   const std::string host = ipv6 ? "[" + config.http.host + "]" : config.http.host;
   const std::string url = (tls ? "https://" : "http://") + host + ":" + std::to_string(server.port());
-  spdlog::info("mapweld-server {} over {}", version(), config.data.string());
+  spdlog::info("mapweld-server {} over {}{}", version(), config.data.string(), config.read_only ? ", read-only" : "");
   std::cout << "listening on " << url << std::endl;
   signals.watch(server);
   server.run();
@@ -136,6 +136,11 @@ void add_serve_command(CLI::App& app) {
   command->add_option("--host", config->http.host, "Address to listen on")
       ->envname("MAPWELD_HOST")
       ->capture_default_str();
+  command
+      ->add_flag("--read-only", config->read_only,
+                 "Change nothing: serve a folder at rest, which need not be writable; what would change something is "
+                 "refused")
+      ->envname("MAPWELD_READ_ONLY");
   command
       ->add_flag("--insecure", config->insecure,
                  "Listen on any address although there are no keys: whoever reaches it may do everything")

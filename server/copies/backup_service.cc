@@ -48,7 +48,8 @@ BackupService::BackupService(Store& store, fs::path folder) : store_(store), fol
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_, none)) {
     if (const auto id = id_of(entry.path())) {
       last_ = std::max(last_, *id);
-    } else if (const std::string name = entry.path().filename().string(); name.ends_with(".db.part")) {
+    } else if (const std::string name = entry.path().filename().string();
+               name.ends_with(".db.part") && !store_.is_read_only()) {
       fs::remove(entry.path(), none);
       fs::remove(entry.path().string() + "-journal", none);
     }
