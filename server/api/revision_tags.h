@@ -8,12 +8,14 @@
 #include "schema/store.h"
 #include "server/http/message.h"
 #include "server/maps/map_opener.h"
+#include "server/services/hashing.h"
 #include "server/services/map_lookup.h"
 #include "server/services/uuid.h"
 
 namespace mapweld::server {
 
-// Weak ones. After a start they are others: a folder that was restored counts the same revisions again.
+// Weak ones, each of one path and query: who has one was answered there, so that a request that would be refused is not
+// answered 304. After a start they are others: a folder that was restored counts the same revisions again.
 class RevisionTags {
  public:
   // `store` must outlive the handlers.
@@ -24,9 +26,10 @@ class RevisionTags {
   Handler operator()(Handler handler) const {
     return [&store = store_, start = start_, handler = std::move(handler)](const Request& request) {
       // Read before the answer is: one that is newer than its tag is only asked for once more.
-      std::string etag = "W/\"" + start + "-" + what_is_shown(store, request.parameter("map")) + "\"";
+      std::string etag =
+          "W/\"" + start + "-" + what_is_shown(store, request.parameter("map")) + "-" + what_is_asked(request) + "\"";
       Reply reply;
-      if (request.knows(etag)) {
+      if (request.if_none_match != "*" && request.knows(etag)) {
         reply.content_type = "application/json";  // or other text
       } else {
         reply = handler(request);
@@ -37,6 +40,11 @@ class RevisionTags {
   }
 
  private:
+  static std::string what_is_asked(const Request& request) {
+    std::string asked = request.path;
+    for (const auto& [name, value] : request.query.values()) asked += '\n' + name + '\n' + value;
+    return to_hex(sha256({reinterpret_cast<const std::uint8_t*>(asked.data()), asked.size()})).substr(0, 16);
+  }
   static std::string what_is_shown(Store& store, const std::string& name) {
     const ReadTransaction db = store.read();
     const MapLayout layout = load_layout(db, require_map(db, name).id);

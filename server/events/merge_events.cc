@@ -87,9 +87,9 @@ std::vector<Event> standing_of(const contract::Merge& merge) {
   return events;
 }
 
-MergeEvents::Told& MergeEvents::told_of(JobId job) {
+MergeEvents::Told& MergeEvents::told_of(JobId job, bool anew) {
   Told& told = told_[job];
-  if (told.map.empty()) {
+  if (anew || told.map.empty()) {
     const ReadTransaction db = store_.read();
     const std::optional<MergeRow> merge = find_merge(db, job);
     if (const auto map = merge ? find_map(db, merge->map) : std::nullopt) told.map = map->name;
@@ -128,6 +128,7 @@ void MergeEvents::on_progress(JobId job, const MergeProgress& progress) noexcept
     const bool is_another_phase = std::exchange(told.phase, progress.phase) != progress.phase;
     if (!is_another_phase && now < told.progress_at + kProgressInterval) return;
     told.progress_at = now;
+    told_of(job, true);
     if (is_another_phase) {
       hub_.tell(event_of(job, "phase", progress.step,
                          {{"merge", to_index(job)}, {"phase", progress.phase}, {"step", progress.step}}));
@@ -145,7 +146,7 @@ void MergeEvents::on_state(JobId job) noexcept {
       return;
     }
     const std::string state(to_string(row->state));
-    Told& told = told_of(job);
+    Told& told = told_of(job, true);
     if (std::exchange(told.state, state) == state) return;
     const MergeProgress progress = progress_of(*row);
     const Json document =

@@ -36,8 +36,8 @@ class MergeEvents final : public MergeListener {
     std::string phase;
     std::chrono::steady_clock::time_point progress_at;
   };
-  // Of the job, looked up when it is new. With `mutex_` held.
-  Told& told_of(JobId job);
+  // Of the job, whose map is looked up when it is new, or `anew`: it may have another name. With `mutex_` held.
+  Told& told_of(JobId job, bool anew = false);
   Event event_of(JobId job, const char* type, std::uint64_t step, const contract::Json& data);
 
   Store& store_;

@@ -246,7 +246,13 @@ contract::Page<contract::Merge> MergeService::list(const std::optional<std::stri
   if (!sees_all(caller)) visible = [caller](const std::string& map) { return caller->may_use(map); };
   const Page<MergeStatus> found = jobs_.list(wanted, page.limit, page.cursor, visible);
   contract::Page<contract::Merge> out;
-  for (const MergeStatus& status : found.items) out.items.push_back(present(status));
+  for (const MergeStatus& status : found.items) {
+    try {
+      out.items.push_back(present(status));
+    } catch (const ContractError& error) {
+      if (error.status() != 404) throw;  // it was deleted meanwhile
+    }
+  }
   out.next_cursor = found.next;
   return out;
 }

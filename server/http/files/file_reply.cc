@@ -11,7 +11,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "client/contract/problem.h"
+#include "client/contract/problem_document.h"
+#include "server/http/problem.h"
 #include "server/http/wire/text.h"
 
 namespace mapweld::server {
@@ -83,8 +84,11 @@ Reply file_reply(const Request& request, std::shared_ptr<const OpenFile> file, c
   const bool may_be_part = !request.knows(etag) && (request.if_range.empty() || request.if_range == etag);
   if (const auto range = may_be_part ? parse_range(request.range, file->bytes()) : std::nullopt) {
     if (range->count == 0) {
-      throw contract::ContractError("range_not_satisfiable",
-                                    "There are " + std::to_string(file->bytes()) + " bytes, from 0 on.");
+      Reply refusal = problem_reply(contract::problem_of(
+          "range_not_satisfiable", "There are " + std::to_string(file->bytes()) + " bytes, from 0 on.",
+          request.request_id));
+      refusal.headers.emplace_back("Content-Range", "bytes */" + std::to_string(file->bytes()));
+      return refusal;
     }
     part = *range;
     reply.status = 206;

@@ -30,7 +30,7 @@ class OpenFile {
 
 // The file, with its length: 200 with all of it, or 206 with the one range that the request asks for (RFC 9110, section
 // 14); a set of ranges is answered as none. `etag` says which state of the file it is, in quotes: If-Range goes by it.
-// Throws ContractError range_not_satisfiable for a range that begins beyond the end.
+// A range that begins beyond the end: the problem range_not_satisfiable, with the length in Content-Range.
 Reply file_reply(const Request& request, std::shared_ptr<const OpenFile> file, const std::string& content_type,
                  const std::string& etag);
 

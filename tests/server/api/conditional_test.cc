@@ -22,6 +22,9 @@ class Conditional : public ::testing::Test {
     EXPECT_EQ(answer.status == 304, answer.body.empty());
     return answer.status;
   }
+  int status_of(const std::string& path, const std::string& tag) const {
+    return api_.ask("GET", path, {{"If-None-Match", tag}}).status;
+  }
   std::string tag(const std::string& path) const {
     const Answer answer = api_.get(path);
     EXPECT_EQ(answer.status, 200) << path;
@@ -101,6 +104,19 @@ TEST_F(Conditional, AMapThatIsGoneIsNotWhatItWas) {
   EXPECT_EQ(status("/v1/maps/a", before), 404);
   api_.post("/v1/maps", R"({"name":"a","uuid":")" + uuid + R"("})");
   EXPECT_EQ(status("/v1/maps/a", before), 200);
+}
+
+TEST_F(Conditional, WhatWouldBeRefusedIsRefusedWithWhateverTag) {
+  make_map("a", 0);
+  const std::string map = tag("/v1/maps/a");
+  const std::string list = tag("/v1/maps/a/vertices");
+  for (const std::string& known : {map, list, std::string("*")}) {
+    EXPECT_EQ(status_of("/v1/maps/a/vertices/77", known), 404) << known;
+    EXPECT_EQ(status_of("/v1/maps/a/graph?format=png", known), 422) << known;
+    EXPECT_EQ(status_of("/v1/maps/a/vertices?limit=nonsense", known), 422) << known;
+  }
+  EXPECT_EQ(status("/v1/maps/a/vertices", map), 200);
+  EXPECT_EQ(status("/v1/maps/a", "*"), 304);
 }
 
 // A folder may have been restored between them.

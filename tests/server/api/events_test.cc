@@ -90,6 +90,16 @@ TEST_F(EventsTest, AMergeTellsItsStatesItsEdgesAndItsEnd) {
   EXPECT_EQ(edges, api_.get("/v1/merges/1").json()["edges"].get<std::size_t>());
 }
 
+TEST_F(EventsTest, AMergeWhoseMapHasAnotherNameIsToldUnderIt) {
+  make_maps();
+  api_.post("/v1/merges", R"({"maps":["a","b"],"name":"ab"})");
+  api_.finished_merge(1);
+  EXPECT_EQ(api_.ask("PATCH", "/v1/maps/ab", {}, R"({"name":"both"})").status, 200);
+  Listener all(api_, "/v1/events");
+  api_.post("/v1/merges/1/restart", "");
+  EXPECT_THAT(all.until("event: done"), Not(HasSubstr("\"map\":\"ab\"")));
+}
+
 TEST_F(EventsTest, WhatAGuardConfirmsIsTold) {
   make_maps();
   Listener all(api_, "/v1/events");

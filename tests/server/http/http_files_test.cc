@@ -68,6 +68,7 @@ TEST_F(HttpFilesTest, WhatIsNoRangeIsIgnoredAndOneBeyondTheEndRefused) {
   }
   EXPECT_EQ(code(ask("Range: bytes=10-\r\n")), "range_not_satisfiable");
   EXPECT_EQ(code(ask("Range: bytes=-0\r\n")), "range_not_satisfiable");
+  EXPECT_THAT(ask("Range: bytes=10-\r\n"), HasSubstr("Content-Range: bytes */10\r\n"));
 }
 
 TEST_F(HttpFilesTest, APartOfAnotherStateIsNotSent) {
