@@ -6,16 +6,12 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "schema/engine/free_space.h"
+
 namespace mapweld {
 namespace {
 
 constexpr std::uint64_t kLeaveTimes = 8;
-
-std::uint64_t available_bytes(const std::filesystem::path& folder) {
-  std::error_code error;
-  const auto space = std::filesystem::space(folder, error);
-  return error ? 0 : space.available;
-}
 
 }  // namespace
 

@@ -1,5 +1,7 @@
 #include "schema/maps/map_file.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -9,6 +11,7 @@
 
 #include "schema/engine/data_folder.h"
 #include "schema/engine/migrations.h"
+#include "schema/engine/free_space.h"
 #include "schema/maps/edge_store.h"
 #include "schema/store_check.h"
 
@@ -172,6 +175,8 @@ void export_map(const Reader& db, MapId map, const fs::path& file, const MapFile
     make_empty(file);
     Connection to(file, sqlite::OpenMode::kReadWrite);
     to.execute("PRAGMA synchronous = OFF");  // nobody rests on it before it is whole
+    const std::uint64_t pages = share_of_free_bytes(file.parent_path()) / to.query_integer("PRAGMA page_size");
+    to.query_integer("PRAGMA max_page_count = " + std::to_string(std::clamp<std::uint64_t>(pages, 1, UINT32_MAX - 2)));
     Connection& from = db.connection();
     const std::string id = number(to_index(map));
     const std::string its_vocabulary = "(SELECT vocabulary FROM maps WHERE id = " + id + ")";

@@ -16,7 +16,9 @@ class BodyFile {
   BodyFile(const BodyFile&) = delete;
   BodyFile& operator=(const BodyFile&) = delete;
 
-  void append(std::string_view bytes);  // throws as the constructor
+  // Throws as the constructor; kNoSpace also when it takes more than share_of_free_bytes
+  // (schema/engine/free_space.h).
+  void append(std::string_view bytes);
   const std::filesystem::path& path() const { return path_; }
   std::uint64_t bytes() const { return bytes_; }
 
@@ -24,6 +26,7 @@ class BodyFile {
   std::filesystem::path path_;
   int descriptor_ = -1;
   std::uint64_t bytes_ = 0;
+  std::uint64_t looked_at_bytes_ = 0;  // when space was looked at last
 };
 
 }  // namespace mapweld::server

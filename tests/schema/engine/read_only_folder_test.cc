@@ -51,7 +51,15 @@ void fill(const fs::path& folder) {
   test::add_vocabulary(data.store());
 }
 
-// The same, whose change is in the WAL only: what a copy of a running server's folder has.
+void add_key(const fs::path& folder) {
+  KeyRow key;
+  key.name = "robot";
+  key.role = "read";
+  key.maps = "*";
+  ASSERT_TRUE(KeyStore(folder).add(key));
+}
+
+// A folder whose change is in the WAL only: what a copy of a running server's folder has.
 void fill_wal(const TempFolder& temp, const fs::path& folder) {
   DataFolder data(temp.path() / "running");
   test::add_vocabulary(data.store());
@@ -76,7 +84,9 @@ class Unwritable {
  private:
   static constexpr uid_t kNobody = 65534;
   static void hand_over(const fs::path& path, mode_t mode) {
-    if (::geteuid() == 0) ASSERT_EQ(::chown(path.c_str(), kNobody, kNobody), 0);
+    if (::geteuid() == 0) {
+      ASSERT_EQ(::chown(path.c_str(), kNobody, kNobody), 0);
+    }
     ASSERT_EQ(::chmod(path.c_str(), mode), 0);
   }
   const fs::path folder_;
@@ -90,7 +100,7 @@ struct ReadOnlyFolder : ::testing::Test {
 
 TEST_F(ReadOnlyFolder, SeveralServeItAndNothingInItChanges) {
   fill(folder);
-  KeyStore(folder).add({.name = "robot", .role = "read", .maps = "*"});
+  add_key(folder);
   const auto before = contents(folder);
   {
     DataFolder first(folder, kReadOnly);
@@ -133,7 +143,7 @@ TEST_F(ReadOnlyFolder, WhatIsInTheWalCounts) {
 
 TEST_F(ReadOnlyFolder, MayBeUnwritable) {
   fill(folder);
-  KeyStore(folder).add({.name = "robot", .role = "read", .maps = "*"});
+  add_key(folder);
   const auto before = contents(folder);
   {
     const Unwritable unwritable(folder);
