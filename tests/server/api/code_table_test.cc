@@ -152,6 +152,7 @@ TEST_F(CodeTable, IsReachedWholeAndNothingStoredChanges) {
       {"range_not_satisfiable", "HttpFilesTest.WhatIsNoRangeIsIgnoredAndOneBeyondTheEndRefused"},
       {"unauthorized", "AccessApi.EachRoleOpensItsRoutesAndNoOther"},
       {"forbidden", "AccessApi.EachRoleOpensItsRoutesAndNoOther"},
+      {"read_only", "ReadOnlyServer.RefusesWhateverChangesSomething"},
       {"rate_limited", "AccessGateTest.AKeyHasItsRate"},
       {"quota_exceeded", "reserved: nobody has a quota yet"},
       {"not_implemented", "reserved: whatever is settled is served"},
