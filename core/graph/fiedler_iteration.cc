@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -123,16 +124,18 @@ class Subspace {
     return true;
   }
 
-  void solve() { ritz_.compute(projected_.topLeftCorner(size_, size_)); }
-  double value() const { return ritz_.eigenvalues()[0]; }
-  Vector coefficients() const { return ritz_.eigenvectors().col(0); }
+  // A solver of its own for each size: a matrix that is resized and finds no memory is freed twice (Eigen 3.4,
+  // DenseStorage::resize).
+  void solve() { ritz_.emplace(projected_.topLeftCorner(size_, size_)); }
+  double value() const { return ritz_->eigenvalues()[0]; }
+  Vector coefficients() const { return ritz_->eigenvectors().col(0); }
   Vector vector() const { return basis_.leftCols(size_) * coefficients(); }
   Vector image() const { return images_.leftCols(size_) * coefficients(); }
 
   // Keeps the lowest Ritz vectors and the best vector of the step before, given by its coefficients.
   void restart(int kept, const Vector& previous) {
     Matrix chosen(size_, kept + 1);
-    chosen.leftCols(kept) = ritz_.eigenvectors().leftCols(kept);
+    chosen.leftCols(kept) = ritz_->eigenvectors().leftCols(kept);
     Vector last = Vector::Zero(size_);
     last.head(previous.size()) = previous;
     for (int pass = 0; pass < 2; ++pass) {
@@ -154,7 +157,7 @@ class Subspace {
   const LaplacianProduct& product_;
   Matrix basis_, images_, projected_;
   int size_ = 0;
-  Eigen::SelfAdjointEigenSolver<Matrix> ritz_;
+  std::optional<Eigen::SelfAdjointEigenSolver<Matrix>> ritz_;  // none before the first solve()
 };
 
 }  // namespace
