@@ -20,9 +20,12 @@ if(MAPWELD_WERROR)
   target_compile_options(mapweld_options INTERFACE -Werror)
 endif()
 if(MAPWELD_SANITIZE)
-  # Instrumented, the standard library's own <regex> looks uninitialized to GCC.
   target_compile_options(mapweld_options INTERFACE
-    "-fsanitize=${MAPWELD_SANITIZE}" -fno-omit-frame-pointer -fno-sanitize-recover=all -Wno-maybe-uninitialized)
+    "-fsanitize=${MAPWELD_SANITIZE}" -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  # Instrumented, the standard library's own <regex> looks uninitialized to GCC.
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(mapweld_options INTERFACE -Wno-maybe-uninitialized)
+  endif()
   target_link_options(mapweld_options INTERFACE "-fsanitize=${MAPWELD_SANITIZE}")
 endif()
 

@@ -20,7 +20,7 @@ class FlannIndex final : public WordIndex {
 
   // FLANN draws from std::rand, which is the process's: a build seeds it, and two builds at once wait for each other.
   static std::unique_ptr<WordIndex> build(std::span<const std::uint8_t> centroids, const WordIndexOptions& options);
-  // FLANN reads its own archive, and trusts it: load only what this program wrote.
+  // FLANN reads its own archive, and trusts it: load only what this program wrote (foreign_vocabulary.h).
   static std::unique_ptr<WordIndex> load(std::span<const std::uint8_t> centroids, std::span<const std::uint8_t> bytes);
 
  private:

@@ -7,6 +7,7 @@
 
 #include "core/errors.h"
 #include "core/vocabulary/byte_stream.h"
+#include "core/vocabulary/foreign_vocabulary.h"
 #include "core/vocabulary/hnsw_layout.h"
 
 namespace mapweld {
@@ -113,7 +114,17 @@ std::vector<std::uint8_t> Vocabulary::serialize() const {
   return out;
 }
 
-std::shared_ptr<const Vocabulary> Vocabulary::deserialize(std::span<const std::uint8_t> bytes) {
+namespace {
+
+// What a file holds.
+struct Content {
+  std::uint32_t words = 0;
+  std::string engine;
+  std::vector<std::uint8_t> centroids;  // row-major
+  std::vector<std::uint8_t> index;
+};
+
+Content read_content(std::span<const std::uint8_t> bytes) {
   if (bytes.size() < kHeaderBytes || !std::equal(kMagic.begin(), kMagic.end(), bytes.begin())) {
     throw FormatError("not a vocabulary file");
   }
@@ -122,25 +133,47 @@ std::shared_ptr<const Vocabulary> Vocabulary::deserialize(std::span<const std::u
   if (format != kFormat) {
     throw FormatError("vocabulary file of format " + std::to_string(format) + "; this program reads format 1");
   }
-  const std::vector<std::uint8_t> content = decompress(bytes.subspan(kHeaderBytes), header.number<std::uint64_t>());
+  const std::vector<std::uint8_t> unpacked = decompress(bytes.subspan(kHeaderBytes), header.number<std::uint64_t>());
 
-  ByteReader reader(content);
-  const auto words = reader.number<std::uint32_t>();
+  ByteReader reader(unpacked);
+  Content content;
+  content.words = reader.number<std::uint32_t>();
   const auto dimension = reader.number<std::uint32_t>();
   const std::string descriptor = reader.text();
-  const std::string engine = reader.text();
+  content.engine = reader.text();
   const auto columns = reader.array<std::uint8_t>();
-  const auto index = reader.array<std::uint8_t>();
+  content.index = reader.array<std::uint8_t>();
   reader.expect_end();
   if (dimension != kDescriptorDimension || descriptor != "sift-u8") {
     throw FormatError("vocabulary file for other descriptors: " + descriptor);
   }
-  if (words == 0 || words > kMaxWords || columns.size() != std::size_t{words} * kDescriptorDimension) {
+  if (content.words == 0 || content.words > kMaxWords ||
+      columns.size() != std::size_t{content.words} * kDescriptorDimension) {
     throw FormatError("vocabulary file: words and centroids do not agree");
   }
-  auto parts = std::make_shared<Parts>(transpose(columns, kDescriptorDimension, words));
-  parts->index = load_word_index(parts->centroids, engine, index);
+  content.centroids = transpose(columns, kDescriptorDimension, content.words);
+  return content;
+}
+
+}  // namespace
+
+std::shared_ptr<const Vocabulary> Vocabulary::deserialize(std::span<const std::uint8_t> bytes) {
+  const Content content = read_content(bytes);
+  auto parts = std::make_shared<Parts>(content.centroids);
+  parts->index = load_word_index(parts->centroids, content.engine, content.index);
   return std::shared_ptr<const Vocabulary>(new Vocabulary(std::move(parts)));
+}
+
+std::shared_ptr<const Vocabulary> deserialize_foreign(std::span<const std::uint8_t> bytes) {
+  const Content content = read_content(bytes);
+  if (content.engine != "flann") return Vocabulary::deserialize(bytes);
+  WordIndexOptions options;
+  options.engine = content.engine;
+  auto vocabulary = std::make_shared<const Vocabulary>(content.centroids, options);
+  if (vocabulary->index().serialize() != content.index) {
+    throw FormatError("vocabulary file: its FLANN index is not the one that is built of its words");
+  }
+  return vocabulary;
 }
 
 }  // namespace mapweld

@@ -12,6 +12,7 @@
 #include "client/contract/names.h"
 #include "client/contract/problem.h"
 #include "core/errors.h"
+#include "core/vocabulary/foreign_vocabulary.h"
 #include "schema/maps/map_layout.h"
 #include "schema/maps/vertex_store.h"
 #include "schema/maps/vocabulary_store.h"
@@ -166,7 +167,7 @@ VocabularyId MapTransfer::vocabulary_of(MapFile& file, const Caller* caller) {
   const auto bytes = load_vocabulary_file(file.store().read(), wanted.id);
   try {
     VocabularyRow row;
-    row.words = Vocabulary::deserialize(bytes)->words();
+    row.words = deserialize_foreign(bytes)->words();
     require_same_words(wanted, row);
   } catch (const FormatError& error) {
     refuse(error.what());

@@ -9,6 +9,7 @@
 #include "client/contract/names.h"
 #include "client/contract/problem.h"
 #include "core/errors.h"
+#include "core/vocabulary/foreign_vocabulary.h"
 #include "server/services/hashing.h"
 #include "server/services/paging.h"
 #include "server/services/times.h"
@@ -43,7 +44,7 @@ contract::Vocabulary VocabularyService::add(const std::string& name, std::span<c
   contract::check_slug(name, "The vocabulary's name");
   std::shared_ptr<const Vocabulary> vocabulary;
   try {
-    vocabulary = Vocabulary::deserialize(file);
+    vocabulary = deserialize_foreign(file);
   } catch (const FormatError& error) {
     throw ContractError("invalid_vocabulary", error.what());
   }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/errors.h"
+#include "core/vocabulary/foreign_vocabulary.h"
 #include "tests/core/vocabulary/descriptor_sets.h"
 
 namespace mapweld {
@@ -36,6 +37,27 @@ TEST(Vocabulary, SurvivesItsFile) {
     EXPECT_EQ(restored->quantise(features), vocabulary.quantise(features));
     EXPECT_EQ(restored->serialize(), file);
   }
+}
+
+// FLANN would overwrite memory where a hostile archive tells it to: none is read.
+TEST(Vocabulary, OfOthersHasAFlannIndexOfItsOwnWordsOnly) {
+  const Bytes centroids = test::clustered_descriptors(700, 50, 60, 1);
+  const Features features = features_of(test::clustered_descriptors(300, 50, 60, 2));
+  for (const char* engine : {"hnsw", "flann", "exact"}) {
+    WordIndexOptions options;
+    options.engine = engine;
+    const Vocabulary vocabulary(centroids, options);
+    const auto foreign = deserialize_foreign(vocabulary.serialize());
+    EXPECT_EQ(foreign->quantise(features), vocabulary.quantise(features)) << engine;
+    EXPECT_EQ(foreign->serialize(), vocabulary.serialize()) << engine;
+  }
+  WordIndexOptions other;
+  other.engine = "flann";
+  other.seed = 2;
+  const Bytes file = Vocabulary(centroids, other).serialize();
+  EXPECT_NO_THROW(Vocabulary::deserialize(file));
+  EXPECT_THROW(deserialize_foreign(file), FormatError);
+  EXPECT_THROW(deserialize_foreign(std::span(file).first(file.size() / 2)), FormatError);
 }
 
 TEST(Vocabulary, GivesAWordAFeature) {
