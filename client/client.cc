@@ -66,8 +66,8 @@ Answer<std::vector<contract::Vocabulary>> Client::vocabularies() {
   return all_pages<contract::Vocabulary>({"vocabularies"});
 }
 
-Answer<contract::Map> Client::create_map(const contract::CreateMap& request) {
-  return answer<contract::Map>(connection_.post("/v1/maps", contract::dump(request), kJson));
+Answer<contract::Map> Client::create_map(const contract::CreateMap& request, const std::string& idempotency_key) {
+  return answer<contract::Map>(connection_.post("/v1/maps", contract::dump(request), kJson, idempotency_key));
 }
 Answer<std::vector<contract::Map>> Client::maps() { return all_pages<contract::Map>({"maps"}); }
 Answer<contract::Map> Client::map(const std::string& name) {
@@ -104,17 +104,21 @@ void Client::set_mask(const std::string& map, const std::string& png_bytes) {
 std::string Client::mask(const std::string& map) { return connection_.get(path_of(kRoot, {"maps", map, "mask"})); }
 void Client::clear_mask(const std::string& map) { connection_.remove(path_of(kRoot, {"maps", map, "mask"})); }
 
-Answer<contract::Upload> Client::upload_image(const std::string& map, const ImageFile& image) {
+Answer<contract::Upload> Client::upload_image(const std::string& map, const ImageFile& image,
+                                              const std::string& idempotency_key) {
   const std::string path = path_of(kRoot, {"maps", map, "images"}, {{"name", image.name}});
-  return answer<contract::Upload>(connection_.post(path, image.bytes, std::string(media_type(image.bytes))));
+  return answer<contract::Upload>(
+      connection_.post(path, image.bytes, std::string(media_type(image.bytes)), idempotency_key));
 }
 
-Answer<contract::Batch> Client::upload_batch(const std::string& map, const std::vector<ImageFile>& images) {
+Answer<contract::Batch> Client::upload_batch(const std::string& map, const std::vector<ImageFile>& images,
+                                             const std::string& idempotency_key) {
   std::vector<FormPart> parts;
   parts.reserve(images.size());
   for (const ImageFile& image : images)
     parts.push_back({image.name, std::string(media_type(image.bytes)), image.bytes});
-  auto batch = answer<contract::Batch>(connection_.post_form(path_of(kRoot, {"maps", map, "images", "batch"}), parts));
+  auto batch = answer<contract::Batch>(
+      connection_.post_form(path_of(kRoot, {"maps", map, "images", "batch"}), parts, idempotency_key));
   if (batch->items.size() != images.size()) {
     throw UnexpectedAnswer("The server answered " + std::to_string(batch->items.size()) + " items to a batch of " +
                            std::to_string(images.size()) + ".");
@@ -177,8 +181,8 @@ Answer<contract::Quality> Client::quality(const std::string& map) {
   return answer<contract::Quality>(connection_.get(path_of(kRoot, {"maps", map, "quality"})));
 }
 
-Answer<contract::Merge> Client::submit_merge(const contract::SubmitMerge& request) {
-  return answer<contract::Merge>(connection_.post("/v1/merges", contract::dump(request), kJson));
+Answer<contract::Merge> Client::submit_merge(const contract::SubmitMerge& request, const std::string& idempotency_key) {
+  return answer<contract::Merge>(connection_.post("/v1/merges", contract::dump(request), kJson, idempotency_key));
 }
 Answer<std::vector<contract::Merge>> Client::merges(const std::optional<std::string>& state) {
   return all_pages<contract::Merge>({"merges"}, state ? Query{{"state", *state}} : Query{});

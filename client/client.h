@@ -8,7 +8,8 @@
 //
 // Every function asks the server once (lists: once a page) and throws ServerProblem when it says no, ConnectionError
 // when there is no answer, UnexpectedAnswer when the answer is not the contract's (client/errors.h). Nothing is tried
-// again; what that would mean is said where it matters.
+// again; what that would mean is said where it matters. A POST that is sent again with the idempotency key that it had
+// takes effect once.
 #pragma once
 
 #include <cstdint>
@@ -66,7 +67,7 @@ class Client {
 
   Answer<std::vector<contract::Vocabulary>> vocabularies();
 
-  Answer<contract::Map> create_map(const contract::CreateMap& request);
+  Answer<contract::Map> create_map(const contract::CreateMap& request, const std::string& idempotency_key = {});
   Answer<std::vector<contract::Map>> maps();
   Answer<contract::Map> map(const std::string& name);
   // Gives it another name or other labels, or changes parameters that may change.
@@ -91,9 +92,11 @@ class Client {
   void clear_mask(const std::string& map);
 
   // Uploads are safe to repeat: the same name with the same bytes gets the first outcome again.
-  Answer<contract::Upload> upload_image(const std::string& map, const ImageFile& image);
+  Answer<contract::Upload> upload_image(const std::string& map, const ImageFile& image,
+                                        const std::string& idempotency_key = {});
   // At most contract::kMaxBatchImages, whose names have none of " \ %. The items stand in the order of `images`.
-  Answer<contract::Batch> upload_batch(const std::string& map, const std::vector<ImageFile>& images);
+  Answer<contract::Batch> upload_batch(const std::string& map, const std::vector<ImageFile>& images,
+                                       const std::string& idempotency_key = {});
 
   Answer<std::vector<contract::Vertex>> vertices(const std::string& map);
   Answer<contract::Vertex> vertex(const std::string& map, std::int64_t vertex);
@@ -116,7 +119,7 @@ class Client {
                     const std::function<void(std::string_view)>& receive);
   Answer<contract::Quality> quality(const std::string& map);
 
-  Answer<contract::Merge> submit_merge(const contract::SubmitMerge& request);
+  Answer<contract::Merge> submit_merge(const contract::SubmitMerge& request, const std::string& idempotency_key = {});
   Answer<std::vector<contract::Merge>> merges(const std::optional<std::string>& state = {});
   Answer<contract::Merge> merge(std::int64_t id);
   Answer<std::vector<contract::CurvePoint>> curve(std::int64_t id);

@@ -193,6 +193,14 @@ std::string body_of(httplib::Result& result, const std::string& base_url) {
   return std::move(result->body);
 }
 
+httplib::Headers headers_of(const std::string& idempotency_key) {
+  if (idempotency_key.empty()) return {};
+  if (!std::ranges::all_of(idempotency_key, [](char c) { return c > ' ' && c < 0x7F; })) {
+    throw std::invalid_argument("An idempotency key is of visible ASCII characters.");
+  }
+  return {{"Idempotency-Key", idempotency_key}};
+}
+
 }  // namespace
 
 std::string Connection::get(const std::string& path) {
@@ -201,9 +209,10 @@ std::string Connection::get(const std::string& path) {
   return body_of(result, base_url_);
 }
 
-std::string Connection::post(const std::string& path, const std::string& body, const std::string& content_type) {
+std::string Connection::post(const std::string& path, const std::string& body, const std::string& content_type,
+                             const std::string& idempotency_key) {
   const NoSigpipe guard;
-  httplib::Result result = http_->client.Post(prefix_ + path, body, content_type);
+  httplib::Result result = http_->client.Post(prefix_ + path, headers_of(idempotency_key), body, content_type);
   return body_of(result, base_url_);
 }
 
@@ -238,12 +247,13 @@ std::string Connection::patch(const std::string& path, const std::string& body, 
   return body_of(result, base_url_);
 }
 
-std::string Connection::post_form(const std::string& path, const std::vector<FormPart>& parts) {
+std::string Connection::post_form(const std::string& path, const std::vector<FormPart>& parts,
+                                  const std::string& idempotency_key) {
   httplib::MultipartFormDataItems items;
   items.reserve(parts.size());
   for (const FormPart& part : parts) items.push_back({"image", part.bytes, part.file_name, part.content_type});
   const NoSigpipe guard;
-  httplib::Result result = http_->client.Post(prefix_ + path, items);
+  httplib::Result result = http_->client.Post(prefix_ + path, headers_of(idempotency_key), items);
   return body_of(result, base_url_);
 }
 

@@ -47,13 +47,16 @@ class Connection {
 
   // Each returns the body of a 2xx answer. Throws ServerProblem for any other status, ConnectionError for none.
   std::string get(const std::string& path);
-  std::string post(const std::string& path, const std::string& body, const std::string& content_type);
+  // `idempotency_key`: sent with it, so that it takes effect once however often it is sent; empty: none.
+  std::string post(const std::string& path, const std::string& body, const std::string& content_type,
+                   const std::string& idempotency_key = {});
   // Posts what is in a file, as much as it has when it is opened, in pieces. Throws std::system_error when it cannot be
   // read.
   std::string post_file(const std::string& path, const std::filesystem::path& file, const std::string& content_type);
   std::string put(const std::string& path, const std::string& body, const std::string& content_type);
   std::string patch(const std::string& path, const std::string& body, const std::string& content_type);
-  std::string post_form(const std::string& path, const std::vector<FormPart>& parts);
+  std::string post_form(const std::string& path, const std::vector<FormPart>& parts,
+                        const std::string& idempotency_key = {});
   std::string remove(const std::string& path);
 
   // Hands the body on in pieces as they arrive, and nothing when the answer is not 2xx. What `receive` throws ends the

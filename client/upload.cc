@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstdio>
 #include <map>
+#include <random>
 #include <stdexcept>
 #include <string_view>
 #include <thread>
@@ -26,7 +28,21 @@ bool concerns_one_image(const Problem& problem) {
   return std::find(kCodes.begin(), kCodes.end(), problem.code) != kCodes.end();
 }
 
-bool may_pass(const ServerProblem& problem) { return problem.status() == 429 || problem.status() == 503; }
+bool may_pass(const ServerProblem& problem) {
+  return problem.status() == 429 || problem.status() == 503 || problem.code() == "idempotency_in_progress";
+}
+
+// 128 random bits.
+std::string make_idempotency_key() {
+  std::random_device random;
+  std::string key;
+  for (int i = 0; i < 4; ++i) {
+    char digits[9];
+    std::snprintf(digits, sizeof(digits), "%08x", static_cast<unsigned>(random()));
+    key += digits;
+  }
+  return key;
+}
 
 // A name that cannot stand in a part's header, or is read in more than one way there, goes by itself, in the query.
 bool fits_in_form(const std::string& name) { return name.find_first_of("\"\\%") == std::string::npos; }
@@ -99,10 +115,11 @@ class Uploader {
 
   void send(std::vector<ImageFile> images) {
     std::vector<contract::BatchItem> items;
+    const std::string key = make_idempotency_key();  // of this request, however often it is sent
     try {
       items = with_retries([&]() -> std::vector<contract::BatchItem> {
-        if (images.size() == 1) return {client_.upload_image(options_.map, images[0]).value};
-        return client_.upload_batch(options_.map, images).value.items;
+        if (images.size() == 1) return {client_.upload_image(options_.map, images[0], key).value};
+        return client_.upload_batch(options_.map, images, key).value.items;
       });
     } catch (const ServerProblem& error) {
       if (images.size() == 1 && concerns_one_image(error.problem())) {

@@ -23,6 +23,27 @@ CREATE UNIQUE INDEX IF NOT EXISTS keys_in_force ON keys (name) WHERE revoked_at_
 )sql"},
                                   Migration{.version = 2, .name = "keys_2", .sql = R"sql(
 ALTER TABLE keys ADD COLUMN checksum INTEGER NOT NULL DEFAULT 0x7FFFFFFFFFFFFFFF;
+)sql"},
+                                  // A number that is never given again: what a key owns goes by it.
+                                  Migration{.version = 3, .name = "keys_3", .sql = R"sql(
+CREATE TABLE numbered (
+  id INTEGER PRIMARY KEY AUTOINCREMENT,
+  name TEXT NOT NULL,
+  role TEXT NOT NULL CHECK (role IN ('read', 'write', 'operate', 'admin')),
+  maps TEXT NOT NULL,
+  sha256 BLOB NOT NULL UNIQUE CHECK (length(sha256) = 32),
+  created_at_us INTEGER NOT NULL,
+  revoked_at_us INTEGER,
+  max_images INTEGER CHECK (max_images >= 0),
+  max_bytes INTEGER CHECK (max_bytes >= 0),
+  max_queued_merges INTEGER CHECK (max_queued_merges >= 0),
+  checksum INTEGER NOT NULL DEFAULT 0x7FFFFFFFFFFFFFFF
+) STRICT;
+INSERT INTO numbered (name, role, maps, sha256, created_at_us, revoked_at_us, checksum)
+  SELECT name, role, maps, sha256, created_at_us, revoked_at_us, checksum FROM keys ORDER BY created_at_us, rowid;
+DROP TABLE keys;
+ALTER TABLE numbered RENAME TO keys;
+CREATE UNIQUE INDEX keys_in_force ON keys (name) WHERE revoked_at_us IS NULL;
 )sql"}};
 
 constexpr const char* kFile = "keys.db";
@@ -105,10 +126,11 @@ bool KeyStore::revoke(const std::string& name, Timestamp at) {
 std::vector<KeyRow> KeyStore::list() {
   if (!connection_) return {};
   sqlite::Statement row = connection_->prepare(
-      "SELECT name, role, maps, sha256, created_at_us, revoked_at_us FROM keys ORDER BY name, created_at_us");
+      "SELECT name, role, maps, sha256, created_at_us, revoked_at_us, id FROM keys ORDER BY name, created_at_us");
   std::vector<KeyRow> keys;
   while (row.step()) {
-    keys.push_back({.name = std::string(row.text(0)),
+    keys.push_back({.id = row.integer(6),
+                    .name = std::string(row.text(0)),
                     .role = std::string(row.text(1)),
                     .maps = std::string(row.text(2)),
                     .sha256 = rows::sha256(row, 3),

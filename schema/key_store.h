@@ -23,10 +23,11 @@ namespace mapweld {
 inline constexpr std::int32_t kKeysApplicationId = 0x4D574C4B;
 
 struct KeyRow {
-  std::string name;  // unique among the keys that are not revoked
-  std::string role;  // read, write, operate, admin
-  std::string maps;  // pattern of map names
-  Sha256 sha256{};   // of the key; the key itself is nowhere
+  std::int64_t id = 0;  // above 0, never given again; add() gives it
+  std::string name;     // unique among the keys that are not revoked
+  std::string role;     // read, write, operate, admin
+  std::string maps;     // pattern of map names
+  Sha256 sha256{};      // of the key; the key itself is nowhere
   Timestamp created_at{};
   std::optional<Timestamp> revoked_at;
 };

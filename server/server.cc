@@ -112,6 +112,7 @@ class Server::Impl {
         backups_(store_, config.data / "backups"),
         transfer_(store_, maps_, vocabularies_, transit_.path()),
         removals_(store_, cache_),
+        idempotency_(store_),
         keys_(config.data, config.read_only),
         gate_(keys_, access_options(config), config.log_format),
         http_(http_options(config, transit_), routes(), metrics_, &gate_) {
@@ -165,6 +166,7 @@ class Server::Impl {
                         .events = events_,
                         .backups = backups_,
                         .transfer = transfer_,
+                        .idempotency = idempotency_,
                         .ready = [this] { return !stopping_ && store_.in_place() && has_vocabulary(); }});
   }
 
@@ -277,6 +279,7 @@ class Server::Impl {
   BackupService backups_;
   MapTransfer transfer_;
   RemovalService removals_;
+  IdempotencyKeys idempotency_;
   KeyRing keys_;
   AccessGate gate_;
   HttpServer http_;

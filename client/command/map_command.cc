@@ -16,6 +16,7 @@ struct MapOptions {
   contract::MapParameters parameters;
   std::vector<std::string> labels;  // KEY=TEXT
   std::string name;
+  std::string idempotency_key;
 };
 
 struct CopyOptions {
@@ -81,7 +82,7 @@ int create(const Context& context, const MapOptions& options) {
   contract::CreateMap request = options.create;
   if (options.parameters != contract::MapParameters{}) request.parameters = options.parameters;
   if (!options.labels.empty()) request.labels = labels_of(options.labels);
-  const auto map = context.connect().create_map(request);
+  const auto map = context.connect().create_map(request, options.idempotency_key);
   if (context.json) {
     print_json(map.json);
   } else {
@@ -174,6 +175,8 @@ void add_map_command(CLI::App& app, Context& context) {
 
   CLI::App* make = map->add_subcommand("create", "Make an empty map");
   make->add_option("NAME", options->create.name, "Letters, digits, dots, underscores and hyphens")->required();
+  make->add_option("--idempotency-key", options->idempotency_key,
+                   "Any text of yours: sent again with the same one, it is made once, and answered as before");
   make->add_option("--vocabulary", options->create.vocabulary, "The words to use (default: the server's)");
   make->add_option("--max-features", options->parameters.max_features, "Strongest features kept of an image");
   make->add_option("--min-votes", options->parameters.min_votes,

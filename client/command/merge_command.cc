@@ -14,6 +14,7 @@ struct MergeCommandOptions {
   contract::SubmitMerge submit;
   contract::MergeParameters parameters;
   BudgetOptions budget;
+  std::string idempotency_key;
   bool watch = false;
   bool wait = false;
 };
@@ -24,7 +25,7 @@ int merge(const Context& context, const MergeCommandOptions& options) {
   if (parameters != contract::MergeParameters{}) request.parameters = parameters;
   request.budget = options.budget.budget();
   client::Client server = context.connect();
-  const auto submitted = server.submit_merge(request);
+  const auto submitted = server.submit_merge(request, options.idempotency_key);
   const contract::Merge& merge = *submitted;
   if (!options.watch && !options.wait) {
     if (context.json) {
@@ -82,6 +83,8 @@ void add_merge_command(CLI::App& app, Context& context) {
       "--serve-certificate,!--no-serve-certificate",
       [options](std::int64_t times) { options->parameters.serves_certificate = times > 0; },
       "Verify first what keeps the certificate low (default: with --certified)");
+  command->add_option("--idempotency-key", options->idempotency_key,
+                      "Any text of yours: sent again with the same one, it is begun once, and answered as before");
   options->budget.add_to(*command);
   CLI::Option* wait = command->add_flag("--wait", options->wait, "Return when the merge has come to rest");
   command->add_flag("--watch", options->watch, "The same, showing its progress")->excludes(wait);

@@ -49,6 +49,7 @@ inline constexpr std::array kCodes = {
     CodeEntry{"vocabulary_mismatch", 409, "The maps have different vocabularies"},
     CodeEntry{"wrong_state", 409, "It is in a state that does not allow this"},
     CodeEntry{"nothing_to_resume", 409, "The merge is complete and no member has grown"},
+    CodeEntry{"idempotency_in_progress", 409, "A request with this key is still under way"},
 
     CodeEntry{"length_required", 411, "The request does not say how long its body is"},
     CodeEntry{"body_too_large", 413, "The body is too large"},
@@ -71,6 +72,7 @@ inline constexpr std::array kCodes = {
     CodeEntry{"immutable_parameter", 422, "The parameter cannot be changed any more"},
     CodeEntry{"invalid_vocabulary", 422, "The bytes are not a vocabulary"},
     CodeEntry{"damaged_file", 422, "The file is damaged, or is not what it should be"},
+    CodeEntry{"idempotency_mismatch", 422, "The key was sent with another request"},
 
     CodeEntry{"rate_limited", 429, "Too many requests in too short a time"},
     CodeEntry{"quota_exceeded", 429, "The key has used up what it may use"},

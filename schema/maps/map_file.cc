@@ -152,6 +152,7 @@ void refuse_excess(Connection& file) {
       {"a vocabulary that is too large", "SELECT coalesce(max(file_bytes), 0) FROM vocabularies", 512 * kMiB},
       {"an inverted index", "SELECT count(*) FROM segments", 0},
       {"merges", "SELECT count(*) FROM merges", 0},
+      {"answers", "SELECT count(*) FROM kept_answers", 0},
       {"an image that is too large", "SELECT coalesce(max(length(bytes)), 0) FROM image_bytes", 64 * kMiB},
       {"appearances that are too large", "SELECT coalesce(max(length(bytes)), 0) FROM appearances", 16 * kMiB},
       {"evidence that is too large", "SELECT coalesce(max(length(evidence)), 0) FROM edges", 16 * kMiB},

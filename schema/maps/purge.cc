@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "schema/answer_store.h"
 #include "schema/blobs/merge_state_blob.h"
 #include "schema/maps/absent_vertices.h"
 #include "schema/maps/map_layout.h"
@@ -102,6 +103,7 @@ PurgeStatistics purge_deleted(WriteTransaction& db, MapId map) {
     remove_likenesses.bind_all(map, vertex).run();
     remove.bind_all(map, vertex).run();
   }
+  drop_answers_of(db, map);
   db.prepare("UPDATE maps SET revision = revision + 1 WHERE id = ?").bind(1, map).run();
   return statistics;
 }

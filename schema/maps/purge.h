@@ -17,7 +17,8 @@ struct PurgeStatistics {
 };
 
 // Removes the deleted vertices of a plain map: rows, bytes, appearances, postings and edges of all levels of merging.
-// Their numbers stay taken, their names are free. What merges keep of them are pairs of numbers with a verdict.
+// Their numbers stay taken, their names are free. What merges keep of them are pairs of numbers with a verdict; answers
+// that are kept of the map (answer_store.h) go.
 PurgeStatistics purge_deleted(WriteTransaction& db, MapId map);
 
 // Writes a database file anew, with what is in it and nothing of what was, and empties its WAL. Nobody may have a

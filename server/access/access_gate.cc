@@ -66,10 +66,10 @@ AccessGate::AccessGate(KeyRing& keys, AccessOptions options, LogFormat format)
 Admission AccessGate::admit(const RequestHead& head) {
   Admission admission;
   if (is_allowed_origin(head.origin)) {
-    admission.headers = {
-        {"Access-Control-Allow-Origin", head.origin},
-        {"Access-Control-Expose-Headers", "ETag, Location, Retry-After, WWW-Authenticate, X-Request-Id"},
-        {"Vary", "Origin"}};
+    admission.headers = {{"Access-Control-Allow-Origin", head.origin},
+                         {"Access-Control-Expose-Headers",
+                          "ETag, Idempotent-Replayed, Location, Retry-After, WWW-Authenticate, X-Request-Id"},
+                         {"Vary", "Origin"}};
     if (head.method == "OPTIONS" && head.route == nullptr && !head.allow.empty()) {
       admission.reply = answer_preflight(head);
       return admission;

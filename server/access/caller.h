@@ -1,6 +1,7 @@
 // Who a request comes from, as the gate found.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "server/access/role.h"
@@ -8,7 +9,8 @@
 namespace mapweld::server {
 
 struct Caller {
-  std::string name;  // of the key
+  std::int64_t id = 0;  // of the key, never another's; 0: none
+  std::string name;     // of the key
   Role role = Role::kRead;
   std::string maps = "*";  // a pattern (fnmatch) of the maps that it may use
 

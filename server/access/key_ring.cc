@@ -32,8 +32,8 @@ void KeyRing::refresh() {
       if (row.revoked_at) continue;
       const std::optional<Role> role = parse_role(row.role);
       if (!role) continue;
-      in_force.push_back(
-          {row.sha256, std::make_shared<Caller>(Caller{.name = row.name, .role = *role, .maps = row.maps})});
+      in_force.push_back({row.sha256, std::make_shared<Caller>(
+                                          Caller{.id = row.id, .name = row.name, .role = *role, .maps = row.maps})});
     }
     in_force_ = std::move(in_force);
     has_keys_ = !rows.empty();

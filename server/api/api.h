@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#include "server/api/idempotency.h"
 #include "server/copies/backup_service.h"
 #include "server/copies/map_transfer.h"
 #include "server/events/event_hub.h"
@@ -35,6 +36,7 @@ struct Services {
   EventHub& events;
   BackupService& backups;
   MapTransfer& transfer;
+  IdempotencyKeys& idempotency;
   std::function<bool()> ready;  // the server takes requests and can make maps
 };
 

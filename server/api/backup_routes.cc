@@ -20,13 +20,13 @@ void add_backup_routes(Router& router, const Services& services) {
               .pattern = "/v1/backups",
               .role = Role::kAdmin,
               .body = BodyRule::kOptional,
-              .handler = [&backups](const Request&) {
+              .handler = services.idempotency.once([&backups](const Request&, Once&) {
                 const contract::Backup backup = backups.begin();
                 Reply reply = json_reply(202, backup);
                 reply.subject = std::to_string(backup.id);
                 reply.headers.emplace_back("Location", "/v1/backups/" + std::to_string(backup.id));
                 return reply;
-              }});
+              })});
   router.add({.method = "GET",
               .pattern = "/v1/backups",
               .role = Role::kAdmin,

@@ -1,3 +1,8 @@
+#include <map>
+#include <string>
+#include <variant>
+#include <vector>
+
 #include "client/contract/image.h"
 #include "client/contract/names.h"
 #include "server/api/api.h"
@@ -32,7 +37,15 @@ Provenance provenance_in_query(const Request& request) {
   return provenance;
 }
 
-Reply upload(ImageService& images, const Request& request) {
+Reply upload_reply(const std::string& map, const UploadOutcome& outcome) {
+  Reply reply = json_reply(outcome.created ? 201 : 200, outcome.upload);
+  if (outcome.created) {
+    reply.headers.emplace_back("Location", "/v1/maps/" + map + "/vertices/" + std::to_string(*outcome.upload.vertex));
+  }
+  return reply;
+}
+
+Reply upload(ImageService& images, const Request& request, Once& once) {
   ImageUpload image;
   const auto name = request.query.text("name");
   if (name) {
@@ -41,33 +54,50 @@ Reply upload(ImageService& images, const Request& request) {
   }
   image.bytes = request.body_bytes();
   image.provenance = provenance_in_query(request);
-  const UploadOutcome outcome = images.upload(request.parameter("map"), image, request.query.text("map_uuid"));
-  Reply reply = json_reply(outcome.created ? 201 : 200, outcome.upload);
-  if (outcome.created) {
-    reply.headers.emplace_back(
-        "Location", "/v1/maps/" + request.parameter("map") + "/vertices/" + std::to_string(*outcome.upload.vertex));
-  }
-  return reply;
+  const std::string& map = request.parameter("map");
+  const auto keep = once.keeps<StoredUpload>(
+      [&](WriteTransaction& db, const StoredUpload& stored) { once.keep(db, upload_reply(map, stored.outcome), map); });
+  return upload_reply(map, images.upload(map, image, request.query.text("map_uuid"), keep));
 }
 
-Reply upload_batch(ImageService& images, const Request& request) {
+// An image that was stored under the request's key before is not uploaded again.
+Reply upload_batch(ImageService& images, const Request& request, Once& once) {
   const std::string boundary = multipart_boundary(request.content_type);
   const std::vector<Part> parts = parse_multipart(request.body, boundary, contract::kMaxBatchImages);
   if (parts.empty()) throw ContractError("empty_body", "The batch has no image.");
+  const std::string& map = request.parameter("map");
   std::vector<ImageUpload> uploads;
-  for (const Part& part : parts) {
+  std::vector<std::int64_t> part_of;  // each upload
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const auto part = static_cast<std::int64_t>(i);
+    if (once.kept(part) != nullptr) continue;
     ImageUpload image;
-    image.name = part.file_name;
-    image.bytes = {reinterpret_cast<const std::uint8_t*>(part.content.data()), part.content.size()};
+    image.name = parts[i].file_name;
+    image.bytes = {reinterpret_cast<const std::uint8_t*>(parts[i].content.data()), parts[i].content.size()};
     image.provenance.sequence = request.query.text("sequence");
     uploads.push_back(std::move(image));
+    part_of.push_back(part);
+  }
+  std::map<std::int64_t, BatchOutcome> outcomes;
+  if (!uploads.empty()) {
+    const auto keep = once.keeps<StoredUpload>([&](WriteTransaction& db, const StoredUpload& stored) {
+      once.keep(db, upload_reply(map, stored.outcome), map, part_of[stored.place]);
+    });
+    auto uploaded = images.upload_batch(map, uploads, request.query.text("map_uuid"), keep);
+    for (std::size_t i = 0; i < uploaded.size(); ++i) outcomes.emplace(part_of[i], std::move(uploaded[i]));
   }
   contract::Batch batch;
-  for (BatchOutcome& outcome : images.upload_batch(request.parameter("map"), uploads, request.query.text("map_uuid"))) {
-    if (const auto* error = std::get_if<std::exception_ptr>(&outcome)) {
-      batch.items.emplace_back(problem_of(*error, request.request_id));
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const auto part = static_cast<std::int64_t>(i);
+    const auto now = outcomes.find(part);
+    if (now != outcomes.end() && std::holds_alternative<std::exception_ptr>(now->second)) {
+      batch.items.emplace_back(problem_of(std::get<std::exception_ptr>(now->second), request.request_id));
+    } else if (const Reply* kept = once.kept(part)) {
+      batch.items.emplace_back(contract::parse_json(kept->body).get<contract::Upload>());
     } else {
-      batch.items.emplace_back(std::move(std::get<UploadOutcome>(outcome).upload));
+      auto& outcome = std::get<UploadOutcome>(now->second);
+      once.keep_later(upload_reply(map, outcome), map, part);
+      batch.items.emplace_back(std::move(outcome.upload));
     }
   }
   return json_reply(200, batch);
@@ -102,14 +132,17 @@ void add_image_routes(Router& router, const Services& services) {
               .role = Role::kWrite,
               .body = BodyRule::kRequired,
               .query = {"name", "captured_at", "sequence", "index", "map_uuid"},
-              .handler = [&images = services.images](const Request& request) { return upload(images, request); }});
-  router.add(
-      {.method = "POST",
-       .pattern = "/v1/maps/{map}/images/batch",
-       .role = Role::kWrite,
-       .body = BodyRule::kRequired,
-       .query = {"sequence", "map_uuid"},
-       .handler = [&images = services.images](const Request& request) { return upload_batch(images, request); }});
+              .handler = services.idempotency.once([&images = services.images](const Request& request, Once& once) {
+                return upload(images, request, once);
+              })});
+  router.add({.method = "POST",
+              .pattern = "/v1/maps/{map}/images/batch",
+              .role = Role::kWrite,
+              .body = BodyRule::kRequired,
+              .query = {"sequence", "map_uuid"},
+              .handler = services.idempotency.by_part([&images = services.images](const Request& request, Once& once) {
+                return upload_batch(images, request, once);
+              })});
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/vertices/{vertex}/image",
               .role = Role::kRead,

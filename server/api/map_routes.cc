@@ -50,16 +50,16 @@ void add_map_routes(Router& router, const Services& services) {
               .role = Role::kWrite,
               .body = BodyRule::kRequired,
               .json_body = true,
-              .handler = [&maps, &events](const Request& request) {
+              .handler = services.idempotency.once([&maps, &events](const Request& request, Once& once) {
                 const auto map =
                     maps.create(contract::read_request<contract::CreateMap>(contract::parse_json(request.body)),
-                                request.caller.get());
+                                request.caller.get(),
+                                once.keeps<contract::Map>([&](WriteTransaction& db, const contract::Map& made) {
+                                  once.keep(db, map_made(made), made.name);
+                                }));
                 tell_map(events, map.name, "created");
-                Reply reply = json_reply(201, map);
-                reply.subject = map.name;
-                reply.headers.emplace_back("Location", "/v1/maps/" + map.name);
-                return reply;
-              }});
+                return map_made(map);
+              })});
   router.add({.method = "GET",
               .pattern = "/v1/maps",
               .role = Role::kRead,

@@ -29,6 +29,20 @@ Reply merge_reply(int status, const contract::Merge& merge) {
   return reply;
 }
 
+Reply commanded(const contract::Merge& merge) { return merge_reply(202, merge); }
+
+Reply submitted(const contract::Merge& merge) {
+  Reply reply = merge_reply(202, merge);
+  reply.headers.emplace_back("Location", merge.links.self);
+  return reply;
+}
+
+Keep<contract::Merge> kept_as(Once& once, Reply (*reply_of)(const contract::Merge&)) {
+  return once.keeps<contract::Merge>([&once, reply_of](WriteTransaction& db, const contract::Merge& merge) {
+    once.keep(db, reply_of(merge), merge.map);
+  });
+}
+
 }  // namespace
 
 void add_merge_routes(Router& router, const Services& services) {
@@ -40,15 +54,13 @@ void add_merge_routes(Router& router, const Services& services) {
               .role = Role::kOperate,
               .body = BodyRule::kRequired,
               .json_body = true,
-              .handler = [&merges, &events](const Request& request) {
+              .handler = services.idempotency.once([&merges, &events](const Request& request, Once& once) {
                 const auto merge =
                     merges.submit(contract::read_request<contract::SubmitMerge>(contract::parse_json(request.body)),
-                                  request.caller.get());
+                                  request.caller.get(), kept_as(once, submitted));
                 tell_map(events, merge.map, "created");
-                Reply reply = merge_reply(202, merge);
-                reply.headers.emplace_back("Location", merge.links.self);
-                return reply;
-              }});
+                return submitted(merge);
+              })});
   router.add({.method = "GET",
               .pattern = "/v1/merges",
               .role = Role::kRead,
@@ -96,33 +108,35 @@ void add_merge_routes(Router& router, const Services& services) {
               .role = Role::kOperate,
               .body = BodyRule::kOptional,
               .json_body = true,
-              .handler = [&merges](const Request& request) {
-                return merge_reply(202, merges.pause(merge_in_path(merges, request)));
-              }});
+              .handler = services.idempotency.once([&merges](const Request& request, Once& once) {
+                return commanded(merges.pause(merge_in_path(merges, request), kept_as(once, commanded)));
+              })});
   router.add({.method = "POST",
               .pattern = "/v1/merges/{merge}/resume",
               .role = Role::kOperate,
               .body = BodyRule::kOptional,
               .json_body = true,
-              .handler = [&merges](const Request& request) {
-                return merge_reply(202, merges.resume(merge_in_path(merges, request), run_in(request)));
-              }});
+              .handler = services.idempotency.once([&merges](const Request& request, Once& once) {
+                return commanded(
+                    merges.resume(merge_in_path(merges, request), run_in(request), kept_as(once, commanded)));
+              })});
   router.add({.method = "POST",
               .pattern = "/v1/merges/{merge}/restart",
               .role = Role::kOperate,
               .body = BodyRule::kOptional,
               .json_body = true,
-              .handler = [&merges](const Request& request) {
-                return merge_reply(202, merges.restart(merge_in_path(merges, request), run_in(request)));
-              }});
+              .handler = services.idempotency.once([&merges](const Request& request, Once& once) {
+                return commanded(
+                    merges.restart(merge_in_path(merges, request), run_in(request), kept_as(once, commanded)));
+              })});
   router.add({.method = "POST",
               .pattern = "/v1/merges/{merge}/cancel",
               .role = Role::kOperate,
               .body = BodyRule::kOptional,
               .json_body = true,
-              .handler = [&merges](const Request& request) {
-                return merge_reply(202, merges.cancel(merge_in_path(merges, request)));
-              }});
+              .handler = services.idempotency.once([&merges](const Request& request, Once& once) {
+                return commanded(merges.cancel(merge_in_path(merges, request), kept_as(once, commanded)));
+              })});
   router.add({.method = "GET",
               .pattern = "/v1/merges/{merge}/pairs/{u}/{v}",
               .role = Role::kRead,

@@ -61,12 +61,16 @@ void add_removal_routes(Router& router, const Services& services) {
               .pattern = "/v1/maps/{map}/vertices/{vertex}/restore",
               .role = Role::kWrite,
               .body = BodyRule::kOptional,
-              .handler = [&removals, &events, &maps = services.maps](const Request& request) {
-                const std::uint32_t vertex = vertex_in_path(request);
-                removals.restore(request.parameter("map"), vertex);
-                tell_map(events, request.parameter("map"), "images");
-                return json_reply(200, maps.vertex(request.parameter("map"), vertex));
-              }});
+              .handler = services.idempotency.once(
+                  [&removals, &events, &maps = services.maps](const Request& request, Once& once) {
+                    const std::string& map = request.parameter("map");
+                    const std::uint32_t vertex = vertex_in_path(request);
+                    removals.restore(map, vertex, once.keeps<VertexId>([&](WriteTransaction& db, VertexId) {
+                      once.keep(db, json_reply(200, maps.vertex(db, map, vertex)), map);
+                    }));
+                    tell_map(events, map, "images");
+                    return json_reply(200, maps.vertex(map, vertex));
+                  })});
 }
 
 }  // namespace mapweld::server

@@ -50,6 +50,13 @@ inline Reply image_reply(StoredImage image) {
   return reply;
 }
 
+inline Reply map_made(const contract::Map& map) {
+  Reply reply = json_reply(201, map);
+  reply.subject = map.name;
+  reply.headers.emplace_back("Location", "/v1/maps/" + map.name);
+  return reply;
+}
+
 // The query parameters that every list knows, with the list's own.
 inline std::vector<std::string> list_query(std::vector<std::string> own = {}) {
   own.insert(own.end(), {"limit", "cursor"});

@@ -28,16 +28,16 @@ void add_transfer_routes(Router& router, const Services& services) {
               .role = Role::kWrite,
               .body = BodyRule::kFile,
               .query = {"name"},
-              .handler = [&transfer, &events](const Request& request) {
+              .handler = services.idempotency.once([&transfer, &events](const Request& request, Once& once) {
                 if (request.body_file->bytes() == 0) throw contract::ContractError("empty_body", "The file is empty.");
                 const contract::Map map =
-                    transfer.import_map(request.body_file->path(), request.query.text("name"), request.caller.get());
+                    transfer.import_map(request.body_file->path(), request.query.text("name"), request.caller.get(),
+                                        once.keeps<contract::Map>([&](WriteTransaction& db, const contract::Map& made) {
+                                          once.keep(db, map_made(made), made.name);
+                                        }));
                 tell_map(events, map.name, "created");
-                Reply reply = json_reply(201, map);
-                reply.subject = map.name;
-                reply.headers.emplace_back("Location", "/v1/maps/" + map.name);
-                return reply;
-              }});
+                return map_made(map);
+              })});
 }
 
 }  // namespace mapweld::server

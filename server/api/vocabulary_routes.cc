@@ -35,14 +35,21 @@ void add_vocabulary_routes(Router& router, const Services& services) {
               .role = Role::kAdmin,
               .body = BodyRule::kRequired,
               .query = {"name"},
-              .handler = [&vocabularies](const Request& request) {
+              .handler = services.idempotency.once([&vocabularies](const Request& request, Once& once) {
                 const auto name = request.query.text("name");
                 if (!name) throw ContractError("invalid_name", "Name the vocabulary with ?name=.");
                 if (request.body.empty()) throw ContractError("empty_body", "The vocabulary file has no bytes.");
-                Reply reply = json_reply(201, vocabularies.add(*name, request.body_bytes()));
-                reply.headers.emplace_back("Location", "/v1/vocabularies/" + *name);
-                return reply;
-              }});
+                const auto reply_of = [&](const contract::Vocabulary& vocabulary) {
+                  Reply reply = json_reply(201, vocabulary);
+                  reply.headers.emplace_back("Location", "/v1/vocabularies/" + *name);
+                  return reply;
+                };
+                return reply_of(vocabularies.add(
+                    *name, request.body_bytes(),
+                    once.keeps<contract::Vocabulary>([&](WriteTransaction& db, const contract::Vocabulary& added) {
+                      once.keep(db, reply_of(added), "");
+                    })));
+              })});
 }
 
 }  // namespace mapweld::server

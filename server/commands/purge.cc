@@ -10,6 +10,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "schema/answer_store.h"
 #include "schema/engine/data_folder.h"
 #include "schema/maps/map_store.h"
 #include "schema/maps/purge.h"
@@ -51,6 +52,11 @@ void purge(const fs::path& data, const std::string& name) {
     std::cout << map.name << ": " << purged.vertices << " images and " << purged.edges << " edges are gone, "
               << purged.segments << " segments and the state of " << purged.merges << " merges are written anew"
               << std::endl;
+  }
+  if (name.empty()) {
+    WriteTransaction db = store.write(Store::Purpose::kDelete);
+    drop_answers_of_deleted_maps(db);
+    db.commit();
   }
   rewrite_database(store.file());
   fs::remove_all(data / "transit");  // copies of maps on their way, of a server that was killed

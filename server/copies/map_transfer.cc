@@ -125,7 +125,7 @@ MapTransfer::Exported MapTransfer::export_map(const std::string& name, const Map
 }
 
 contract::Map MapTransfer::import_map(const std::filesystem::path& path, const std::optional<std::string>& name,
-                                      const Caller* caller) {
+                                      const Caller* caller, const Keep<contract::Map>& keep) {
   if (name) contract::check_slug(*name, "The map's name");
   const std::unique_lock proving(proving_, std::try_to_lock);
   if (!proving) throw ContractError("busy", "Another file is being taken in. Try again when it is.");
@@ -142,8 +142,10 @@ contract::Map MapTransfer::import_map(const std::filesystem::path& path, const s
   require_free(db, own_name);
   if (!contract::is_uuid(uuid) || find_map_by_uuid(db, uuid)) uuid = make_uuid();
   from_file([&] { mapweld::import_map(db, *file, own_name, uuid, vocabulary); });
+  contract::Map imported = maps_.get(db, own_name);
+  if (keep) keep(db, imported);
   db.commit();
-  return maps_.get(own_name);
+  return imported;
 }
 
 VocabularyId MapTransfer::vocabulary_of(MapFile& file, const Caller* caller) {

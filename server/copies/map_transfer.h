@@ -35,7 +35,7 @@ class MapTransfer {
   // add one. `file` is changed. damaged_file, invalid_name, name_taken, vocabulary_mismatch, forbidden; busy while
   // another file is taken in.
   contract::Map import_map(const std::filesystem::path& file, const std::optional<std::string>& name,
-                           const Caller* caller);
+                           const Caller* caller, const Keep<contract::Map>& keep = {});
 
  private:
   VocabularyId vocabulary_of(MapFile& file, const Caller* caller);

@@ -51,6 +51,7 @@ struct Request {
   bool accepts_gzip = false;
   std::string range;     // as sent; empty when absent
   std::string if_range;  // as sent; empty when absent
+  std::optional<std::string> idempotency_key;  // as sent, the values of several joined by ", "
   std::string body;
   std::shared_ptr<BodyFile> body_file;  // instead of `body`, where the route wants that
   std::string request_id;

@@ -36,15 +36,13 @@ MergeRow require_merge(const Reader& db, JobId job) {
 }
 
 // Moves a job that has no worker to `state`, from any of the states in `from`.
-void move_at_rest(Store& store, JobId job, JobState state, std::initializer_list<JobState> from,
+void move_at_rest(WriteTransaction& db, JobId job, JobState state, std::initializer_list<JobState> from,
                   const std::string& wish) {
-  WriteTransaction db = store.write();
   const MergeRow row = require_merge(db, job);
   if (std::ranges::find(from, row.state) == from.end()) refuse_state(row, wish);
   const RunEnd end{state, state == JobState::kPaused ? std::optional<std::string>("paused") : std::nullopt,
                    std::nullopt, now()};
   set_merge_state(db, job, row.state, end);
-  db.commit();
 }
 
 }  // namespace
@@ -75,12 +73,19 @@ MergeStatus MergeJobs::describe(const Reader& db, const MergeRow& row, const std
   return status;
 }
 
-MergeStatus MergeJobs::submit(const MergeRequest& request) {
+// A job that is being queued: what failed before is forgotten with that.
+MergeStatus MergeJobs::describe_queued(const Reader& db, JobId job) {
+  const MergeRow row = require_merge(db, job);
+  return status_of(row, list_members(db, row.map), std::nullopt, now());
+}
+
+MergeStatus MergeJobs::submit(const MergeRequest& request, const Keep<MergeStatus>& keep) {
   check(request);
   JobId job{};
   {
     WriteTransaction db = store_.write();
     job = store_submission(db, request, now());
+    if (keep) keep(db, describe_queued(db, job));
     db.commit();
   }
   workers_->tell_state(job);
@@ -135,15 +140,22 @@ Page<MergeEdgePoint> MergeJobs::edges(std::int64_t id, std::size_t limit,
 }
 
 MergeStatus MergeJobs::stop(JobId job, RunCommand command, JobState state, std::initializer_list<JobState> from,
-                            const std::string& wish) {
+                            const std::string& wish, const Keep<MergeStatus>& keep) {
+  const auto keep_when_there = [&](WriteTransaction& db) {
+    const std::optional<MergeRow> row = keep ? find_merge(db, job) : std::nullopt;
+    if (row && row->state == state) keep(db, describe(db, *row, nullptr));
+  };
   std::shared_ptr<RunControl> run;
   {
     const auto control = workers_->control();
     run = workers_->run_of(job);
     if (run) {
-      run->command(command);
+      run->command(command, keep_when_there);
     } else {
-      move_at_rest(store_, job, state, from, wish);
+      WriteTransaction db = store_.write();
+      move_at_rest(db, job, state, from, wish);
+      keep_when_there(db);
+      db.commit();
       workers_->forget_failure(job);
       workers_->tell_state(job);
     }
@@ -154,23 +166,25 @@ MergeStatus MergeJobs::stop(JobId job, RunCommand command, JobState state, std::
     if (row.state != state) {
       // The run came to its own end before it heard of this.
       if (std::ranges::find(from, row.state) == from.end()) refuse_state(row, wish);
-      return stop(job, command, state, from, wish);
+      return stop(job, command, state, from, wish, keep);
     }
   }
   return get(to_index(job));
 }
 
-MergeStatus MergeJobs::pause(std::int64_t id) {
-  return stop(JobId{id}, RunCommand::kPause, JobState::kPaused, {JobState::kQueued, JobState::kRunning}, "paused");
+MergeStatus MergeJobs::pause(std::int64_t id, const Keep<MergeStatus>& keep) {
+  return stop(JobId{id}, RunCommand::kPause, JobState::kPaused, {JobState::kQueued, JobState::kRunning}, "paused",
+              keep);
 }
 
-MergeStatus MergeJobs::cancel(std::int64_t id) {
+MergeStatus MergeJobs::cancel(std::int64_t id, const Keep<MergeStatus>& keep) {
   return stop(JobId{id}, RunCommand::kCancel, JobState::kCancelled,
               {JobState::kQueued, JobState::kRunning, JobState::kPaused, JobState::kBudgetExhausted, JobState::kFailed},
-              "cancelled");
+              "cancelled", keep);
 }
 
-MergeStatus MergeJobs::resume(std::int64_t id, const std::optional<MergeBudget>& budget) {
+MergeStatus MergeJobs::resume(std::int64_t id, const std::optional<MergeBudget>& budget,
+                              const Keep<MergeStatus>& keep) {
   if (budget) check(*budget);
   const JobId job{id};
   {
@@ -205,6 +219,7 @@ MergeStatus MergeJobs::resume(std::int64_t id, const std::optional<MergeBudget>&
         refuse_state(row, "resumed");
     }
     requeue_merge(db, job, new_budget, now());
+    if (keep) keep(db, describe_queued(db, job));
     db.commit();
   }
   workers_->tell_state(job);
@@ -212,7 +227,8 @@ MergeStatus MergeJobs::resume(std::int64_t id, const std::optional<MergeBudget>&
   return get(id);
 }
 
-MergeStatus MergeJobs::restart(std::int64_t id, const std::optional<MergeBudget>& budget) {
+MergeStatus MergeJobs::restart(std::int64_t id, const std::optional<MergeBudget>& budget,
+                               const Keep<MergeStatus>& keep) {
   if (budget) check(*budget);
   const JobId job{id};
   {
@@ -224,6 +240,7 @@ MergeStatus MergeJobs::restart(std::int64_t id, const std::optional<MergeBudget>
     for (const MemberRow& member : list_members(db, row.map)) require_settled(db, member.map, member.name);
     extend_merged_map(db, row.map);
     restart_merge(db, job, budget ? std::optional(to_row(*budget)) : std::nullopt, now());
+    if (keep) keep(db, describe_queued(db, job));
     db.commit();
   }
   workers_->tell_state(job);

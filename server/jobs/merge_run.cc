@@ -246,6 +246,7 @@ class Run {
       if (!save_checkpoint(db, job_, control_.epoch(), checkpoint)) throw FencedOff{};
       set_judgements(db, row_.map, judgements.changed);
       if (end && !end_run(db, job_, control_.epoch(), *end)) throw FencedOff{};
+      if (end) control_.tell_end(db);
       db.commit();
     });
     work_.stored(state);
@@ -341,7 +342,9 @@ void end_unloaded(Store& store, JobId job, const RunControl& control) {
   if (control.command() == RunCommand::kCancel) end = {JobState::kCancelled, std::nullopt, std::nullopt, now()};
   if (control.command() != RunCommand::kPause && control.command() != RunCommand::kCancel) return;
   WriteTransaction db = store.write();
-  if (end_run(db, job, control.epoch(), end)) db.commit();
+  if (!end_run(db, job, control.epoch(), end)) return;
+  control.tell_end(db);
+  db.commit();
 }
 
 RunOutcome fail(Store& store, JobId job, const RunControl& control, const std::string& error,

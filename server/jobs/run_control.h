@@ -4,13 +4,16 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/merge/member_table.h"
 #include "core/merge/merge_metrics.h"
+#include "schema/store.h"
 #include "schema/store_types.h"
 
 namespace mapweld::server {
@@ -57,6 +60,16 @@ class RunControl {
  public:
   explicit RunControl(std::uint64_t epoch) : epoch_(epoch) {}
 
+  // `at_end`: called by the worker in the transaction that ends the run, if the run comes to that; not at all when the
+  // run was over already. Whoever commands waits for the run's end, or until `at_end` may be gone.
+  using AtEnd = std::function<void(WriteTransaction& db)>;
+  void command(RunCommand command, AtEnd at_end) {
+    {
+      const std::lock_guard lock(mutex_);
+      at_end_.push_back(std::move(at_end));
+    }
+    this->command(command);
+  }
   void command(RunCommand command) {
     RunCommand before = command_.load();
     while (before < command && !command_.compare_exchange_weak(before, command)) continue;
@@ -72,6 +85,14 @@ class RunControl {
     const std::lock_guard lock(mutex_);
     return progress_;
   }
+  void tell_end(WriteTransaction& db) const {
+    std::vector<AtEnd> at_end;
+    {
+      const std::lock_guard lock(mutex_);
+      at_end = at_end_;
+    }
+    for (const AtEnd& tell : at_end) tell(db);
+  }
   std::uint64_t epoch() const { return epoch_; }
 
  private:
@@ -79,6 +100,7 @@ class RunControl {
   std::atomic<RunCommand> command_ = RunCommand::kNone;
   mutable std::mutex mutex_;
   std::optional<MergeProgress> progress_;
+  std::vector<AtEnd> at_end_;
 };
 
 }  // namespace mapweld::server

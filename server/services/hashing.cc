@@ -6,13 +6,34 @@
 
 namespace mapweld::server {
 
-Sha256 sha256(std::span<const std::uint8_t> bytes) {
+namespace {
+
+void require(int result) {
+  if (result != 1) throw std::runtime_error("SHA-256 failed");
+}
+
+}  // namespace
+
+Sha256Hash::Sha256Hash() : context_(EVP_MD_CTX_new()) {
+  require(context_ ? EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) : 0);
+}
+
+void Sha256Hash::update(std::span<const std::uint8_t> bytes) {
+  require(EVP_DigestUpdate(context_.get(), bytes.data(), bytes.size()));
+}
+
+Sha256 Sha256Hash::finish() {
   Sha256 hash{};
-  unsigned length = 0;
-  if (EVP_Digest(bytes.data(), bytes.size(), hash.data(), &length, EVP_sha256(), nullptr) != 1) {
-    throw std::runtime_error("SHA-256 failed");
-  }
+  require(EVP_DigestFinal_ex(context_.get(), hash.data(), nullptr));
   return hash;
+}
+
+void Sha256Hash::Free::operator()(evp_md_ctx_st* context) const { EVP_MD_CTX_free(context); }
+
+Sha256 sha256(std::span<const std::uint8_t> bytes) {
+  Sha256Hash hash;
+  hash.update(bytes);
+  return hash.finish();
 }
 
 std::string to_hex(const Sha256& hash) {

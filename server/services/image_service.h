@@ -35,13 +35,16 @@ class ImageService {
   // Returns when the outcome is durable. The same name with the same bytes gets the first outcome again.
   // Throws ContractError no_such_map, map_is_merged, wrong_map (`map_uuid` is another map's), invalid_name, name_taken,
   // empty_body, shutting_down; ImageError; StoreError. Then nothing is stored.
-  UploadOutcome upload(const std::string& map, const ImageUpload& image, const std::optional<std::string>& map_uuid);
+  UploadOutcome upload(const std::string& map, const ImageUpload& image, const std::optional<std::string>& map_uuid,
+                       const Keep<StoredUpload>& keep = {});
 
   // Takes images in their order: the map becomes the one that single uploads in this order make. Each has its own
   // outcome or problem. When storing fails, the images after it are not tried: they get the same problem.
+  // `keep` hears of those that are stored now, in the transaction that stores them.
   // Throws what concerns the batch as a whole (the map), before anything is stored.
   std::vector<BatchOutcome> upload_batch(const std::string& map, const std::vector<ImageUpload>& images,
-                                         const std::optional<std::string>& map_uuid);
+                                         const std::optional<std::string>& map_uuid,
+                                         const Keep<StoredUpload>& keep = {});
 
   // The server is stopping: images that are not being stored at this time are refused with shutting_down.
   void refuse_after(std::chrono::steady_clock::time_point deadline) { context_.deadline = deadline.time_since_epoch(); }

@@ -83,7 +83,8 @@ EdgeCursor parse_edge_cursor(const std::optional<std::string>& cursor) {
 
 }  // namespace
 
-contract::Map MapService::create(const contract::CreateMap& request, const Caller* caller) {
+contract::Map MapService::create(const contract::CreateMap& request, const Caller* caller,
+                                 const Keep<contract::Map>& keep) {
   contract::check(request);
   require_use(caller, request.name);
   NewMap map;
@@ -104,6 +105,7 @@ contract::Map MapService::create(const contract::CreateMap& request, const Calle
   }
   const MapId id = insert_map(db, map);
   contract::Map created = describe(db, find_map(db, id).value());
+  if (keep) keep(db, created);
   db.commit();
   return created;
 }
@@ -133,8 +135,9 @@ contract::Map MapService::change(const std::string& name, const contract::Change
   return now;
 }
 
-contract::Map MapService::get(const std::string& name) const {
-  const ReadTransaction db = store_.read();
+contract::Map MapService::get(const std::string& name) const { return get(store_.read(), name); }
+
+contract::Map MapService::get(const Reader& db, const std::string& name) const {
   return describe(db, require_map(db, name));
 }
 
@@ -241,7 +244,10 @@ contract::Page<contract::Vertex> MapService::vertices(const std::string& map_nam
 }
 
 contract::Vertex MapService::vertex(const std::string& map_name, std::uint32_t vertex) const {
-  const ReadTransaction db = store_.read();
+  return this->vertex(store_.read(), map_name, vertex);
+}
+
+contract::Vertex MapService::vertex(const Reader& db, const std::string& map_name, std::uint32_t vertex) const {
   const MapRow map = require_map(db, map_name);
   const MapLayout layout = load_layout(db, map.id);
   const VertexRow row = read_vertex(db, map, layout, vertex);

@@ -16,6 +16,7 @@
 #include "schema/store.h"
 #include "server/access/caller.h"
 #include "server/maps/map_opener.h"
+#include "server/services/keep.h"
 #include "server/services/vocabulary_service.h"
 
 namespace mapweld::server {
@@ -44,8 +45,10 @@ class MapService {
 
   // invalid_name, invalid_parameter, no_such_vocabulary; name_taken, also for a uuid that another map has;
   // forbidden.
-  contract::Map create(const contract::CreateMap& request, const Caller* caller = nullptr);
+  contract::Map create(const contract::CreateMap& request, const Caller* caller = nullptr,
+                       const Keep<contract::Map>& keep = {});
   contract::Map get(const std::string& name) const;
+  contract::Map get(const Reader& db, const std::string& name) const;
   // What the request leaves out stays as it is. invalid_name, name_taken, invalid_parameter; immutable_parameter for
   // what the images that are stored were taken in by; forbidden for a name that the caller may not use.
   contract::Map change(const std::string& name, const contract::ChangeMap& request, const Caller* caller = nullptr);
@@ -58,7 +61,8 @@ class MapService {
   contract::Page<contract::Vertex> vertices(const std::string& map, const std::optional<std::string>& name,
                                             const PageRequest& page) const;
   contract::Vertex vertex(const std::string& map, std::uint32_t vertex) const;  // no_such_vertex
-  StoredImage image(const std::string& map, std::uint32_t vertex) const;        // no_such_vertex, no_such_image
+  contract::Vertex vertex(const Reader& db, const std::string& map, std::uint32_t vertex) const;
+  StoredImage image(const std::string& map, std::uint32_t vertex) const;  // no_such_vertex, no_such_image
   contract::Page<contract::IgnoredImage> ignored(const std::string& map, const PageRequest& page) const;
 
   struct EdgeQuery {

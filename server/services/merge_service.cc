@@ -199,7 +199,8 @@ VoteRule MergeService::rule_of(const contract::SubmitMerge& request) const {
   return VoteRule::kSignatures;
 }
 
-contract::Merge MergeService::submit(const contract::SubmitMerge& request, const Caller* caller) {
+contract::Merge MergeService::submit(const contract::SubmitMerge& request, const Caller* caller,
+                                     const Keep<contract::Merge>& keep) {
   contract::check(request);
   MergeRequest merge;
   merge.maps = request.maps;
@@ -226,7 +227,7 @@ contract::Merge MergeService::submit(const contract::SubmitMerge& request, const
     if (from.serves_certificate) to.serves_certificate = *from.serves_certificate;
   }
   if (request.budget) merge.budget = *request.budget;
-  return present(jobs_.submit(merge));
+  return present(jobs_.submit(merge, presented(keep)));
 }
 
 void MergeService::require_use(std::int64_t id, const Caller* caller) const {
@@ -265,19 +266,30 @@ contract::Page<contract::MergeEdge> MergeService::edges(std::int64_t id, const P
   return describe<contract::MergeEdge>(jobs_.edges(id, page.limit, page.cursor));
 }
 
-contract::Merge MergeService::pause(std::int64_t id) { return present(jobs_.pause(id)); }
-
-contract::Merge MergeService::resume(std::int64_t id, const contract::RunMerge& request) {
-  contract::check(request);
-  return present(jobs_.resume(id, request.budget));
+Keep<MergeStatus> MergeService::presented(const Keep<contract::Merge>& keep) const {
+  if (!keep) return {};
+  return [this, &keep](WriteTransaction& db, const MergeStatus& status) { keep(db, present(status)); };
 }
 
-contract::Merge MergeService::restart(std::int64_t id, const contract::RunMerge& request) {
-  contract::check(request);
-  return present(jobs_.restart(id, request.budget));
+contract::Merge MergeService::pause(std::int64_t id, const Keep<contract::Merge>& keep) {
+  return present(jobs_.pause(id, presented(keep)));
 }
 
-contract::Merge MergeService::cancel(std::int64_t id) { return present(jobs_.cancel(id)); }
+contract::Merge MergeService::resume(std::int64_t id, const contract::RunMerge& request,
+                                     const Keep<contract::Merge>& keep) {
+  contract::check(request);
+  return present(jobs_.resume(id, request.budget, presented(keep)));
+}
+
+contract::Merge MergeService::restart(std::int64_t id, const contract::RunMerge& request,
+                                      const Keep<contract::Merge>& keep) {
+  contract::check(request);
+  return present(jobs_.restart(id, request.budget, presented(keep)));
+}
+
+contract::Merge MergeService::cancel(std::int64_t id, const Keep<contract::Merge>& keep) {
+  return present(jobs_.cancel(id, presented(keep)));
+}
 
 void MergeService::remove(std::int64_t id) {
   std::optional<MergeRow> merge = find_merge(store_.read(), JobId{id});

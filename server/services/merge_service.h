@@ -22,7 +22,8 @@ class MergeService {
       : store_(store), jobs_(jobs), opener_(opener), quality_(quality) {}
 
   // Also forbidden, when the caller may not use a member or a map of the merge's name; null: may use all.
-  contract::Merge submit(const contract::SubmitMerge& request, const Caller* caller = nullptr);
+  contract::Merge submit(const contract::SubmitMerge& request, const Caller* caller = nullptr,
+                         const Keep<contract::Merge>& keep = {});
   // Throws forbidden when the caller may not use the merged map, by whose name a merge goes; no_such_merge.
   void require_use(std::int64_t id, const Caller* caller) const;
   contract::Merge get(std::int64_t id) const;
@@ -31,15 +32,17 @@ class MergeService {
   contract::Page<contract::CurvePoint> curve(std::int64_t id, const PageRequest& page) const;
   contract::Page<contract::MergeEdge> edges(std::int64_t id, const PageRequest& page) const;
 
-  contract::Merge pause(std::int64_t id);
-  contract::Merge resume(std::int64_t id, const contract::RunMerge& request);
-  contract::Merge restart(std::int64_t id, const contract::RunMerge& request);
-  contract::Merge cancel(std::int64_t id);
+  contract::Merge pause(std::int64_t id, const Keep<contract::Merge>& keep = {});
+  contract::Merge resume(std::int64_t id, const contract::RunMerge& request, const Keep<contract::Merge>& keep = {});
+  contract::Merge restart(std::int64_t id, const contract::RunMerge& request, const Keep<contract::Merge>& keep = {});
+  contract::Merge cancel(std::int64_t id, const Keep<contract::Merge>& keep = {});
   void remove(std::int64_t id);
 
  private:
   VoteRule rule_of(const contract::SubmitMerge& request) const;
   contract::Merge present(const MergeStatus& status) const;
+  // To be kept as it is shown.
+  Keep<MergeStatus> presented(const Keep<contract::Merge>& keep) const;
 
   Store& store_;
   MergeJobs& jobs_;

@@ -79,10 +79,10 @@ void RemovalService::remove_image(const std::string& map, std::uint32_t vertex) 
   db.commit();
 }
 
-void RemovalService::restore(const std::string& map, std::uint32_t vertex) {
+void RemovalService::restore(const std::string& map, std::uint32_t vertex, const Keep<VertexId>& keep) {
   change(map, [&](WriteTransaction& db, const MapRow& row) {
-    if (restore_vertex(db, row.id, VertexId{vertex})) return;
-    require_vertex(db, row, load_layout(db, row.id), vertex);
+    if (!restore_vertex(db, row.id, VertexId{vertex})) require_vertex(db, row, load_layout(db, row.id), vertex);
+    if (keep) keep(db, VertexId{vertex});
   });
 }
 

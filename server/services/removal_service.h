@@ -7,6 +7,7 @@
 #include "schema/maps/map_store.h"
 #include "schema/store.h"
 #include "server/maps/map_cache.h"
+#include "server/services/keep.h"
 
 namespace mapweld::server {
 
@@ -30,7 +31,7 @@ class RemovalService {
   void remove_image(const std::string& map, std::uint32_t vertex);
 
   // Also for a vertex that is not deleted. no_such_vertex for one that never was, or was purged.
-  void restore(const std::string& map, std::uint32_t vertex);
+  void restore(const std::string& map, std::uint32_t vertex, const Keep<VertexId>& keep = {});
 
  private:
   template <typename Change>

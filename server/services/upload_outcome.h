@@ -1,6 +1,7 @@
 // What is uploaded, and what becomes of it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <span>
@@ -27,6 +28,12 @@ struct UploadOutcome {
 
 // What became of one image of a batch.
 using BatchOutcome = std::variant<UploadOutcome, std::exception_ptr>;
+
+// An image of a batch by its place there, and what became of it; `took_ms` without its commit.
+struct StoredUpload {
+  std::size_t place = 0;
+  const UploadOutcome& outcome;
+};
 
 // The documents of the contract; `inserted` has no edges yet.
 contract::Upload inserted(VertexId vertex, const std::string& name, int features, Reason reason);

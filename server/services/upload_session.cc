@@ -36,8 +36,8 @@ void UploadContext::refuse_when_stopping() const {
 }
 
 UploadSession::UploadSession(UploadContext& context, const std::string& map_name,
-                             const std::optional<std::string>& map_uuid)
-    : context_(context) {
+                             const std::optional<std::string>& map_uuid, const Keep<StoredUpload>& keep)
+    : context_(context), keep_(keep) {
   std::optional<std::vector<std::uint8_t>> mask_png;
   {
     const ReadTransaction db = context.store.read();
@@ -76,7 +76,10 @@ std::vector<BatchOutcome> UploadSession::run(const std::vector<ImageUpload>& ima
     // The images that are ready, so that many share a transaction and none waits for one that is not.
     std::vector<Pending> group;
     do {
-      if (auto pending = receive(images[i], prepared[i], outcomes[i])) group.push_back(std::move(*pending));
+      if (auto pending = receive(images[i], prepared[i], outcomes[i])) {
+        pending->place = i;
+        group.push_back(std::move(*pending));
+      }
       ++i;
     } while (i < images.size() && static_cast<int>(group.size()) < max_group() && is_ready(prepared[i]));
     if (group.empty()) continue;
@@ -276,6 +279,7 @@ void UploadSession::write_all(std::vector<Pending>& group) {
       ++written;
     }
     if (written == 0) return finish_repeats(group);
+    if (keep_) keep_all(db, group, watch.elapsed_s() / static_cast<double>(written));
     db.commit();
   }
   const double commit_s = watch.elapsed_s() / static_cast<double>(written);
@@ -287,6 +291,15 @@ void UploadSession::write_all(std::vector<Pending>& group) {
     if (context_.stored) context_.stored(map_.name, upload);
   }
   finish_repeats(group);
+}
+
+void UploadSession::keep_all(WriteTransaction& db, std::vector<Pending>& group, double written_s) const {
+  for (Pending& pending : group) {
+    if (pending.settled || pending.same_as) continue;
+    auto& outcome = std::get<UploadOutcome>(*pending.outcome);
+    outcome.upload.took_ms = shown_ms(pending.prepared.image.took_s + pending.decided_in_s + written_s);
+    keep_(db, {pending.place, outcome});
+  }
 }
 
 void UploadSession::finish_repeats(std::vector<Pending>& group) {

@@ -24,6 +24,7 @@
 #include "server/maps/map_settings.h"
 #include "server/metrics/metrics.h"
 #include "server/services/image_analyzer.h"
+#include "server/services/keep.h"
 #include "server/services/upload_outcome.h"
 #include "server/services/vocabulary_service.h"
 #include "server/services/worker_pool.h"
@@ -54,7 +55,8 @@ struct UploadContext {
 class UploadSession {
  public:
   // Throws ContractError no_such_map, map_is_merged, wrong_map.
-  UploadSession(UploadContext& context, const std::string& map_name, const std::optional<std::string>& map_uuid);
+  UploadSession(UploadContext& context, const std::string& map_name, const std::optional<std::string>& map_uuid,
+                const Keep<StoredUpload>& keep = {});
 
   // An outcome for each, in order; returns when they are durable.
   std::vector<BatchOutcome> run(const std::vector<ImageUpload>& images);
@@ -68,6 +70,7 @@ class UploadSession {
 
   struct Pending {
     const ImageUpload* upload = nullptr;
+    std::size_t place = 0;  // among all that are uploaded
     Prepared prepared;
     BatchOutcome* outcome = nullptr;
     // Set by decide_all().
@@ -98,12 +101,14 @@ class UploadSession {
   bool decide_by_content(const Reader& db, Pending& pending, const ContentsOfGroup& contents) const;
   void decide_one(Pending& pending, std::uint32_t vertices);
   void write_all(std::vector<Pending>& group);
+  void keep_all(WriteTransaction& db, std::vector<Pending>& group, double written_s) const;
   static void finish_repeats(std::vector<Pending>& group);
   void write_one(WriteTransaction& db, Pending& pending, VerifierId verifier) const;
   std::string verifier_parameters() const;
   [[noreturn]] void throw_deleted() const;
 
   UploadContext& context_;
+  const Keep<StoredUpload> keep_;
   MapRow map_;
   MapSettings settings_;
   cv::Mat mask_;  // empty: none

@@ -40,7 +40,8 @@ contract::Vocabulary VocabularyService::get(const std::string& name) const {
   return describe(resolve(store_.read(), name));
 }
 
-contract::Vocabulary VocabularyService::add(const std::string& name, std::span<const std::uint8_t> file) {
+contract::Vocabulary VocabularyService::add(const std::string& name, std::span<const std::uint8_t> file,
+                                            const Keep<contract::Vocabulary>& keep) {
   contract::check_slug(name, "The vocabulary's name");
   std::shared_ptr<const Vocabulary> vocabulary;
   try {
@@ -48,7 +49,7 @@ contract::Vocabulary VocabularyService::add(const std::string& name, std::span<c
   } catch (const FormatError& error) {
     throw ContractError("invalid_vocabulary", error.what());
   }
-  const VocabularyRow row = insert(name, file, *vocabulary);
+  const VocabularyRow row = insert(name, file, *vocabulary, keep);
   const std::lock_guard lock(mutex_);
   loaded_.emplace(row.id, std::move(vocabulary));
   if (!default_name_) default_name_ = name;
@@ -56,7 +57,7 @@ contract::Vocabulary VocabularyService::add(const std::string& name, std::span<c
 }
 
 VocabularyRow VocabularyService::insert(const std::string& name, std::span<const std::uint8_t> file,
-                                        const Vocabulary& vocabulary) {
+                                        const Vocabulary& vocabulary, const Keep<contract::Vocabulary>& keep) {
   VocabularyRow row;
   row.name = name;
   row.words = vocabulary.words();
@@ -70,6 +71,7 @@ VocabularyRow VocabularyService::insert(const std::string& name, std::span<const
     throw ContractError("name_taken", "There is a vocabulary named \"" + name + "\" already.");
   }
   row.id = insert_vocabulary(db, row, file);
+  if (keep) keep(db, describe(row));
   db.commit();
   return row;
 }

@@ -15,6 +15,7 @@
 #include "core/vocabulary/vocabulary.h"
 #include "schema/maps/vocabulary_store.h"
 #include "schema/store.h"
+#include "server/services/keep.h"
 
 namespace mapweld::server {
 
@@ -28,7 +29,8 @@ class VocabularyService {
   contract::Vocabulary get(const std::string& name) const;  // no_such_vocabulary
 
   // Stores a vocabulary file under a name. invalid_name, name_taken, invalid_vocabulary.
-  contract::Vocabulary add(const std::string& name, std::span<const std::uint8_t> file);
+  contract::Vocabulary add(const std::string& name, std::span<const std::uint8_t> file,
+                           const Keep<contract::Vocabulary>& keep = {});
 
   // no_such_vocabulary; vocabulary_in_use while a map is made with it. When it was the default, the store's first one
   // is from now on.
@@ -47,7 +49,8 @@ class VocabularyService {
   std::shared_ptr<const Vocabulary> load(VocabularyId id);
 
  private:
-  VocabularyRow insert(const std::string& name, std::span<const std::uint8_t> file, const Vocabulary& vocabulary);
+  VocabularyRow insert(const std::string& name, std::span<const std::uint8_t> file, const Vocabulary& vocabulary,
+                       const Keep<contract::Vocabulary>& keep);
 
   Store& store_;
   mutable std::mutex mutex_;

@@ -90,6 +90,10 @@ std::vector<std::string> FakeServer::authorizations() const {
   const std::lock_guard lock(mutex_);
   return authorizations_;
 }
+std::vector<std::string> FakeServer::idempotency_keys() const {
+  const std::lock_guard lock(mutex_);
+  return idempotency_keys_;
+}
 std::size_t FakeServer::requests_of(const std::string& beginning) const {
   const auto all = requests();
   return static_cast<std::size_t>(
@@ -101,6 +105,7 @@ bool FakeServer::answer_scripted(const httplib::Request& request, httplib::Respo
   requests_.push_back(request.method + " " + request.target);
   bodies_.push_back(request.body);
   authorizations_.push_back(request.get_header_value("Authorization"));
+  idempotency_keys_.push_back(request.get_header_value("Idempotency-Key"));
   const auto found = scripted_.find(request.method + " " + request.path);
   if (found == scripted_.end()) return false;
   Scripted& scripted = found->second;

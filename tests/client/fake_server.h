@@ -55,6 +55,7 @@ class FakeServer {
   std::vector<std::string> requests() const;                    // "POST /v1/maps?limit=2"
   std::vector<std::string> bodies() const;                      // of the same requests
   std::vector<std::string> authorizations() const;              // their Authorization fields; empty: none
+  std::vector<std::string> idempotency_keys() const;            // and their Idempotency-Key fields
   std::size_t requests_of(const std::string& beginning) const;
 
  private:
@@ -80,6 +81,7 @@ class FakeServer {
   std::vector<std::string> requests_;
   std::vector<std::string> bodies_;
   std::vector<std::string> authorizations_;
+  std::vector<std::string> idempotency_keys_;
   int to_break_ = 0;
   int to_be_busy_ = 0;
   std::size_t most_images_ = contract::kMaxBatchImages;

@@ -1,6 +1,10 @@
 // Folders into maps: the order of the images, going on after an interruption, and trouble on the way.
 #include "client/upload.h"
 
+#include <map>
+#include <set>
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "client/image_folder.h"
@@ -153,6 +157,16 @@ TEST_F(Upload, AsksAgainAfterABrokenConnection) {
   EXPECT_EQ(report.inserted, 40);
   EXPECT_EQ(report.retries, 2);
   EXPECT_EQ(server.images("lab").size(), 40U);
+  // Three requests, of which the first was sent three times.
+  std::map<std::string, int> sent;
+  for (const std::string& key : server.idempotency_keys()) ++sent[key];
+  sent.erase("");  // of those that look
+  std::multiset<int> times;
+  for (const auto& [key, count] : sent) {
+    EXPECT_EQ(key.size(), 32U);
+    times.insert(count);
+  }
+  EXPECT_EQ(times, (std::multiset<int>{1, 1, 3}));
 }
 
 TEST_F(Upload, AsksAgainWhenTheServerIsBusyButNotForever) {

@@ -2,6 +2,7 @@
 
 #include <openssl/sha.h>
 
+#include "schema/answer_store.h"
 #include "schema/maps/mask_store.h"
 #include "schema/maps/purge.h"
 #include "schema/maps/vertex_removal.h"
@@ -47,6 +48,14 @@ EveryTable::EveryTable(Store& store)
         "largest_vertices, largest_algebraic_connectivity, phase) VALUES (?, 1, 0.5, 1, 1, 39, 0, 2, 2, 'bridging')")
       .bind(1, job)
       .run();
+  keep_answer(db, {7, "a key"},
+              {.part = 1,
+               .request = mask.sha256,
+               .status = 201,
+               .headers = "a: b\n",
+               .body = "{}",
+               .map = a,
+               .kept_at = at(4)});
   db.prepare("INSERT INTO meta (key, value) VALUES ('made_by', 'a test')").run();
   const auto insert_and_delete = [&](const char* name, const std::vector<NewEdge>& edges) {
     const AppearanceVector appearances = random_appearances(random, 40, 1'000);

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "schema/engine/row_checksums.h"
 #include "tests/support/temp_store.h"
 
 namespace mapweld {
@@ -65,6 +66,32 @@ TEST_F(KeyStoreTest, SeesWhatAnotherHasChanged) {
   EXPECT_EQ(server.version(), added);
   command.revoke("robot", at(9));
   EXPECT_NE(server.version(), added);
+}
+
+TEST_F(KeyStoreTest, KeysOfBeforeGetNumbersThatAreNeverGivenAgain) {
+  {
+    sqlite::Connection older(folder_.path() / "keys.db", sqlite::OpenMode::kCreate);
+    older.execute(R"sql(
+      CREATE TABLE keys (name TEXT NOT NULL, role TEXT NOT NULL CHECK (role IN ('read', 'write', 'operate', 'admin')),
+        maps TEXT NOT NULL, sha256 BLOB NOT NULL UNIQUE CHECK (length(sha256) = 32), created_at_us INTEGER NOT NULL,
+        revoked_at_us INTEGER, checksum INTEGER NOT NULL DEFAULT 0x7FFFFFFFFFFFFFFF) STRICT;
+      CREATE UNIQUE INDEX keys_in_force ON keys (name) WHERE revoked_at_us IS NULL;
+      PRAGMA user_version = 2)sql");
+    older.execute("PRAGMA application_id = " + std::to_string(kKeysApplicationId));
+    keep_row_checksums(older);
+    older.execute(
+        "INSERT INTO keys (name, role, maps, sha256, created_at_us) VALUES ('late', 'read', '*', zeroblob(32), 9), "
+        "('early', 'admin', '*', randomblob(32), 5)");
+  }
+  KeyStore keys(folder_.path());
+  ASSERT_EQ(keys.list().size(), 2u);
+  EXPECT_EQ(keys.list()[0].name, "early");
+  EXPECT_EQ(keys.list()[0].id, 1);
+  EXPECT_EQ(keys.list()[0].role, "admin");
+  EXPECT_EQ(keys.list()[1].id, 2);
+  EXPECT_TRUE(keys.add(key("newest", 1)));
+  EXPECT_EQ(keys.list()[2].id, 3);
+  check_keys(folder_.path(), [](const Finding& finding) { ADD_FAILURE() << finding.where << ": " << finding.what; });
 }
 
 TEST_F(KeyStoreTest, IsItsOwnersOnly) {

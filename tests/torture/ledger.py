@@ -29,11 +29,12 @@ def mask_png(width_px, height_px, black_rows):
 
 
 def multipart(parts):
-    """(body, content type) of a batch of (name, bytes)."""
+    """(body, content type) of a batch of (name or None, bytes)."""
     boundary = "torture" + "%016x" % random.getrandbits(64)
     body = b""
     for name, content in parts:
-        body += (f'--{boundary}\r\nContent-Disposition: form-data; name="i"; filename="{name}"\r\n\r\n').encode()
+        file_name = f'; filename="{name}"' if name else ""
+        body += (f'--{boundary}\r\nContent-Disposition: form-data; name="i"{file_name}\r\n\r\n').encode()
         body += content + b"\r\n"
     return body + f"--{boundary}--\r\n".encode(), f"multipart/form-data; boundary={boundary}"
 
@@ -41,9 +42,29 @@ def multipart(parts):
 UNKNOWN = object()
 
 
-class MapLedger:
-    """One map by its name. One client at a time writes it, so that the order of its requests is known; a request that
-    got no answer leaves what it would change UNKNOWN until `agree` has looked."""
+class Posts:
+    """POSTs, each under an Idempotency-Key of its own. One without an answer is sent again before anybody looks: it must
+    count once, and be answered as if nothing had happened."""
+
+    unanswered = None
+
+    def post(self, server, path, body, content_type, take):
+        """`take(status, reply)` hears the answer, now or after `again`, and returns what this does."""
+        self.unanswered = (path, body, content_type, uuid.uuid4().hex, take)
+        return self.again(server)
+
+    def again(self, server):
+        if self.unanswered is None:
+            return None
+        path, body, content_type, key, take = self.unanswered
+        status, reply = server.request("POST", path, body, content_type, key)
+        self.unanswered = None
+        return take(status, reply)
+
+
+class MapLedger(Posts):
+    """One map by its name. One client at a time writes it, so that the order of its requests is known; one that is no
+    POST and got no answer leaves what it would change UNKNOWN until `agree` has looked."""
 
     def __init__(self, name):
         self.name = name
@@ -55,7 +76,6 @@ class MapLedger:
     def forget(self):
         self.uuid = None
         self.images = {}  # name: (bytes, vertex or None when it is ignored)
-        self.perhaps = {}  # name: bytes, of uploads without an answer
         self.mask = None  # bytes, None, or UNKNOWN and then possible_masks
         self.possible_masks = []
         self.unasked = set()  # names of images that were there against what was answered, told once
@@ -70,9 +90,14 @@ class MapLedger:
         self.forget()
         self.uuid = str(uuid.uuid4())
         self.exists = UNKNOWN
-        status, reply = server.request("POST", "/v1/maps", {"name": self.name, "uuid": self.uuid})
-        self.exists = status == 201
-        return status, reply
+
+        def take(status, reply):
+            self.exists = status == 201
+            if status == 409:
+                self.say("is made twice")
+            return status, reply
+
+        return self.post(server, "/v1/maps", {"name": self.name, "uuid": self.uuid}, None, take)
 
     def delete(self, server):
         before = self.exists
@@ -82,28 +107,32 @@ class MapLedger:
         return status, reply
 
     def upload(self, server, name, content):
-        self.perhaps[name] = content
-        status, reply = server.request("POST", f"{self.path}/images?name={name}&map_uuid={self.uuid}", content,
-                                       "image/jpeg")
-        del self.perhaps[name]
-        if status in (200, 201):
-            self.answered(name, content, reply)
-        return status, reply
+        """Without a name, nothing but its key keeps an image from being there twice."""
+        def take(status, reply):
+            if status in (200, 201):
+                self.answered(name, content, reply)
+            return status, reply
+
+        query = f"name={name}&" if name else ""
+        return self.post(server, f"{self.path}/images?{query}map_uuid={self.uuid}", content, "image/jpeg", take)
 
     def upload_batch(self, server, parts):
-        """`parts`: (name, bytes) each. The status of each part, or the one of all of them."""
-        self.perhaps.update(parts)
-        status, reply = server.request("POST", f"{self.path}/images/batch?map_uuid={self.uuid}", *multipart(parts))
-        for name, _ in parts:
-            del self.perhaps[name]
-        if status != 200:
-            return [status]
-        for (name, content), item in zip(parts, reply["items"], strict=True):
-            if "outcome" in item:
-                self.answered(name, content, item)
-        return [200 if "outcome" in item else item["status"] for item in reply["items"]]
+        """`parts`: (name or None, bytes) each. The status of each part, or the one of all of them."""
+        def take(status, reply):
+            if status != 200:
+                return [status]
+            for (name, content), item in zip(parts, reply["items"], strict=True):
+                if "outcome" in item:
+                    self.answered(name, content, item)
+            return [200 if "outcome" in item else item["status"] for item in reply["items"]]
+
+        return self.post(server, f"{self.path}/images/batch?map_uuid={self.uuid}", *multipart(parts), take)
 
     def answered(self, name, content, outcome):
+        if name is None:
+            name = outcome["name"]
+            if name in self.images:
+                self.say(f"{name} is the name of two images")
         if outcome["name"] != name:
             self.say(f"{name} is answered as {outcome['name']}")
         vertex = outcome["vertex"] if outcome["outcome"] == "inserted" else None
@@ -136,6 +165,7 @@ class MapLedger:
     def agree(self, server, rng, samples=4):
         """Compares all that `server` has of the map with what was answered, the bytes of images that were not looked at
         before and of some others; then knows what was unknown. Adds to `violations`."""
+        self.again(server)
         status, found = server.request("GET", self.path)
         if status == 404:
             if self.exists is True:
@@ -169,12 +199,8 @@ class MapLedger:
             elif listed[name] != (sha256(content), vertex):
                 self.say(f"image {name}, vertex {vertex}, is {listed[name]}")
         for name in listed.keys() - self.images.keys() - self.unasked:
-            if name not in self.perhaps or listed[name][0] != sha256(self.perhaps[name]):
-                self.say(f"image {name} is there, which was never sent, or answered with an error")
-                self.unasked.add(name)
-            else:
-                self.images[name] = (self.perhaps[name], listed[name][1])
-        self.perhaps = {}
+            self.say(f"image {name} is there, which was never sent, answered with an error, or there before")
+            self.unasked.add(name)
         inserted = [name for name, (_, vertex) in self.images.items() if vertex is not None and name in listed]
         new = [name for name in inserted if name not in self.looked_at]
         for name in new + rng.sample(inserted, min(samples, len(inserted))):

@@ -1,15 +1,16 @@
 """What clients were told about merges of two maps, and what a server has of them."""
 
-from ledger import UNKNOWN
+from ledger import UNKNOWN, Posts
 
 AT_REST = {"paused", "budget_exhausted", "completed", "cancelled", "failed"}
+REST_AFTER = {"pause": "paused", "cancel": "cancelled"}
 
 
 def edge_key(edge):
     return tuple(edge[field] for field in ("u", "v", "votes", "inliers", "verifications"))
 
 
-class MergeLedger:
+class MergeLedger(Posts):
     """One merge after the other, of the same maps, by one client."""
 
     def __init__(self, name, maps):
@@ -40,12 +41,17 @@ class MergeLedger:
         request = {"maps": self.maps, "name": self.name, "method": method, "parameters": {"min_votes": 1}}
         if budget:
             request["budget"] = budget
-        status, reply = server.request("POST", "/v1/merges", request)
-        self.exists = status == 202
-        if status == 202:
-            self.id = reply["id"]
-            self.told(reply)
-        return status, reply
+
+        def take(status, reply):
+            self.exists = status == 202
+            if status == 202:
+                self.id = reply["id"]
+                self.told(reply)
+            elif reply["code"] == "name_taken":
+                self.say("is begun twice")
+            return status, reply
+
+        return self.post(server, "/v1/merges", request, None, take)
 
     def command(self, server, what):
         """pause, resume, restart or cancel."""
@@ -55,20 +61,30 @@ class MergeLedger:
             self.perhaps_restarted = True
             edges = self.edges
             self.edges = []
-        status, reply = server.request("POST", f"{self.path}/{what}")
-        if what == "restart":
-            self.perhaps_restarted = False
+
+        def take(status, reply):
+            if what == "restart":
+                self.perhaps_restarted = False
+                if status == 202:
+                    self.furthest_step = 0
+                else:
+                    self.edges = edges
             if status == 202:
-                self.furthest_step = 0
+                self.told(reply)
+                if what in ("pause", "cancel") and reply["state"] not in AT_REST:
+                    self.say(f"{what} is answered with state {reply['state']}")
             else:
-                self.edges = edges
-        if status == 202:
-            self.told(reply)
-            if what in ("pause", "cancel") and reply["state"] not in AT_REST:
-                self.say(f"{what} is answered with state {reply['state']}")
-        else:
-            self.rest = before
-        return status, reply
+                self.rest = before
+                if before is None and what in REST_AFTER:
+                    self.expect_other(server, REST_AFTER[what], reply)
+            return status, reply
+
+        return self.post(server, f"{self.path}/{what}", None, None, take)
+
+    def expect_other(self, server, state, refusal):
+        """A merge that moved and was refused to be brought to `state`: nobody but that request could have done so."""
+        if server.request("GET", self.path)[1].get("state") == state:
+            self.say(f"is {state}, and the one who asked for that is told {refusal['code']}")
 
     def delete(self, server):
         self.exists = UNKNOWN
@@ -106,6 +122,7 @@ class MergeLedger:
         self.edges = edges
 
     def agree(self, server):
+        self.again(server)
         if self.id is None:  # the answer would have said its number
             named = [merge for merge in server.items("/v1/merges") if merge["map"] == self.name]
             if len(named) > 1 or (named and self.exists is False):

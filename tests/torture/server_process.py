@@ -95,13 +95,16 @@ class Server:
         self.process.stdout.close()
         self.log.close()
 
-    def request(self, method, path, body=None, content_type=None):
+    def request(self, method, path, body=None, content_type=None, key=None):
         """(status, document or bytes) of one request on a connection of its own."""
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=ANSWER_WITHIN_S)
         try:
             if isinstance(body, dict):
                 body = json.dumps(body)
-            connection.request(method, path, body=body, headers={"Content-Type": content_type} if content_type else {})
+            headers = {"Content-Type": content_type} if content_type else {}
+            if key:
+                headers["Idempotency-Key"] = key
+            connection.request(method, path, body=body, headers=headers)
             reply = connection.getresponse()
             content = reply.read()
             kind = reply.headers.get("Content-Type", "")

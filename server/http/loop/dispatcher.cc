@@ -125,6 +125,7 @@ void Dispatcher::consider(const Head& head, Plan& plan) const {
   request.accepts_gzip = accepts_gzip(head.field("accept-encoding"));
   request.range = head.field("range");
   request.if_range = head.field("if-range");
+  if (head.has("idempotency-key")) request.idempotency_key = head.field("idempotency-key");
   request.request_id = known.request_id;
   request.caller = plan.admission.caller;
   consider_body(head, plan);

@@ -59,6 +59,10 @@ std::string Head::field(std::string_view name) const {
   return joined;
 }
 
+bool Head::has(std::string_view name) const {
+  return std::ranges::any_of(fields, [&](const auto& field) { return field.first == name; });
+}
+
 HeadParser::HeadParser(std::size_t max_bytes, std::size_t max_target_bytes)
     : max_bytes_(max_bytes), max_target_bytes_(max_target_bytes) {}
 

@@ -28,6 +28,7 @@ struct Head {
 
   // The values of a field joined by ", " (RFC 9110, section 5.2); empty when it was not sent. `name` in small letters.
   std::string field(std::string_view name) const;
+  bool has(std::string_view name) const;  // it was sent, with a value or without
 };
 
 class HeadParser {

@@ -282,7 +282,7 @@ TEST_F(RowChecksumsTest, KeysBearThemToo) {
   for (const Column& column : columns_of(keys)) {
     fs::copy_file(kept, keys, fs::copy_options::overwrite_existing);
     change(keys, column);
-    EXPECT_THAT(findings(), Contains(AllOf(Field(&Finding::where, StartsWith("keys: rowid ")),
+    EXPECT_THAT(findings(), Contains(AllOf(Field(&Finding::where, StartsWith("keys: ")),
                                            Field(&Finding::what, HasSubstr("checksum")))))
         << column.name;
   }

@@ -154,6 +154,8 @@ TEST_F(CodeTable, IsReachedWholeAndNothingStoredChanges) {
       {"forbidden", "AccessApi.EachRoleOpensItsRoutesAndNoOther"},
       {"read_only", "ReadOnlyServer.RefusesWhateverChangesSomething"},
       {"rate_limited", "AccessGateTest.AKeyHasItsRate"},
+      {"idempotency_in_progress", "LostAnswers.AKeyIsFreeAgainWhenItsRequestHasEnded"},
+      {"idempotency_mismatch", "Idempotency.AnotherRequestUnderTheKeyIsRefused"},
       {"quota_exceeded", "reserved: nobody has a quota yet"},
       {"not_implemented", "reserved: whatever is settled is served"},
   };

@@ -47,6 +47,7 @@ ApiUnderTest::ApiUnderTest(const server::HttpOptions& options, const ServicesOpt
                                                .events = services_.events(),
                                                .backups = services_.backups(),
                                                .transfer = services_.transfer(),
+                                               .idempotency = idempotency_,
                                                .ready = [this] { return ready; }});
   routes_ = router.routes();
   http_ = std::make_unique<server::HttpServer>(any_port, std::move(router), metrics_, gate);

@@ -1,6 +1,8 @@
 // The whole API over loopback, on services whose store a test can reach.
 #pragma once
 
+#include <atomic>
+#include <chrono>
 #include <memory>
 #include <string>
 #include <thread>
@@ -38,6 +40,7 @@ class ApiUnderTest {
   int port() const { return port_; }
   const std::vector<server::Route>& routes() const { return routes_; }
   bool ready = true;
+  std::atomic<std::int64_t> later_s = 0;  // than it is, is the time by which answers are kept
 
   // Any thread; a connection of its own each.
   Answer ask(const std::string& method, const std::string& path, const httplib::Headers& headers = {},
@@ -55,6 +58,8 @@ class ApiUnderTest {
 
  private:
   ServicesUnderTest services_;
+  server::IdempotencyKeys idempotency_{services_.store(),
+                                       [this] { return server::now() + std::chrono::seconds(later_s); }};
   server::Metrics metrics_;
   std::vector<server::Route> routes_;
   std::unique_ptr<server::HttpServer> http_;
