@@ -29,7 +29,7 @@ bool concerns_one_image(const Problem& problem) {
 }
 
 bool may_pass(const ServerProblem& problem) {
-  return problem.status() == 429 || problem.status() == 503 || problem.code() == "idempotency_in_progress";
+  return problem.code() == "rate_limited" || problem.status() == 503 || problem.code() == "idempotency_in_progress";
 }
 
 // 128 random bits.

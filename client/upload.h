@@ -54,9 +54,10 @@ struct UploadObserver {
 // Uploads the photographs of a folder (client/image_folder.h says which, and in which order), named by their file
 // names. Batches go one after the other, each when the one before is committed: the map is the same for any number of
 // threads and however often the upload was broken off and begun again. What the map already has is not sent again.
-// Asks again after a broken connection and after 429 and 503, each request under an idempotency key of its own: it
-// takes effect once. Throws what Client throws when the whole upload cannot go on, std::filesystem::filesystem_error
-// for the folder, std::invalid_argument for options out of range. A refused image does not end the upload.
+// Asks again after a broken connection and after 429 `rate_limited` and 503, each request under an idempotency key of
+// its own: it takes effect once. Throws what Client throws when the whole upload cannot go on,
+// std::filesystem::filesystem_error for the folder, std::invalid_argument for options out of range. A refused image
+// does not end the upload.
 UploadReport upload_directory(Client& client, const UploadOptions& options, const UploadObserver& observer = {});
 
 }  // namespace mapweld::client

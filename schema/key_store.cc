@@ -105,9 +105,12 @@ bool KeyStore::add(const KeyRow& key) {
     taken.bind(1, key.name);
     if (taken.step()) return false;
   }
-  connection_->prepare("INSERT INTO keys (name, role, maps, sha256, created_at_us) VALUES (?, ?, ?, ?, ?)")
+  connection_
+      ->prepare(
+          "INSERT INTO keys (name, role, maps, sha256, created_at_us, max_images, max_bytes, max_queued_merges) VALUES "
+          "(?, ?, ?, ?, ?, ?, ?, ?)")
       .bind_all(key.name, key.role, key.maps, std::span<const std::uint8_t>(key.sha256),
-                rows::microseconds(key.created_at))
+                rows::microseconds(key.created_at), key.quota.images, key.quota.bytes, key.quota.queued_merges)
       .run();
   transaction.commit();
   return true;
@@ -123,10 +126,25 @@ bool KeyStore::revoke(const std::string& name, Timestamp at) {
   return found;
 }
 
+bool KeyStore::set_quota(const std::string& name, const KeyQuota& quota) {
+  sqlite::Transaction transaction(*connection_, sqlite::Transaction::Kind::kWrite);
+  connection_
+      ->prepare(
+          "UPDATE keys SET max_images = ?, max_bytes = ?, max_queued_merges = ? WHERE name = ? AND revoked_at_us IS "
+          "NULL")
+      .bind_all(quota.images, quota.bytes, quota.queued_merges, name)
+      .run();
+  const bool found = connection_->changes() > 0;
+  transaction.commit();
+  return found;
+}
+
 std::vector<KeyRow> KeyStore::list() {
   if (!connection_) return {};
   sqlite::Statement row = connection_->prepare(
-      "SELECT name, role, maps, sha256, created_at_us, revoked_at_us, id FROM keys ORDER BY name, created_at_us");
+      "SELECT name, role, maps, sha256, created_at_us, revoked_at_us, id, max_images, max_bytes, max_queued_merges "
+      "FROM "
+      "keys ORDER BY name, created_at_us");
   std::vector<KeyRow> keys;
   while (row.step()) {
     keys.push_back({.id = row.integer(6),
@@ -135,7 +153,8 @@ std::vector<KeyRow> KeyStore::list() {
                     .maps = std::string(row.text(2)),
                     .sha256 = rows::sha256(row, 3),
                     .created_at = rows::timestamp(row, 4),
-                    .revoked_at = rows::optional_timestamp(row, 5)});
+                    .revoked_at = rows::optional_timestamp(row, 5),
+                    .quota = {row.optional_integer(7), row.optional_integer(8), row.optional_integer(9)}});
   }
   return keys;
 }

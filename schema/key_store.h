@@ -22,6 +22,15 @@ namespace mapweld {
 // PRAGMA application_id: "MWLK".
 inline constexpr std::int32_t kKeysApplicationId = 0x4D574C4B;
 
+// The most that a key may have; absent: no bound. Each at least 0.
+struct KeyQuota {
+  std::optional<std::int64_t> images = {};
+  std::optional<std::int64_t> bytes = {};
+  std::optional<std::int64_t> queued_merges = {};
+  bool bounds_images() const { return images || bytes; }
+  friend bool operator==(const KeyQuota&, const KeyQuota&) = default;
+};
+
 struct KeyRow {
   std::int64_t id = 0;  // above 0, never given again; add() gives it
   std::string name;     // unique among the keys that are not revoked
@@ -30,6 +39,7 @@ struct KeyRow {
   Sha256 sha256{};      // of the key; the key itself is nowhere
   Timestamp created_at{};
   std::optional<Timestamp> revoked_at;
+  KeyQuota quota;
 };
 
 // Belongs to one thread at a time. Throws StoreError.
@@ -46,6 +56,8 @@ class KeyStore {
   bool add(const KeyRow& key);
   // From now on the key opens nothing; its row stays. False when no key of this name is in force.
   bool revoke(const std::string& name, Timestamp at);
+  // Another quota for the key of this name that is in force. False when there is none.
+  bool set_quota(const std::string& name, const KeyQuota& quota);
   // By name, then by time; revoked ones as well.
   std::vector<KeyRow> list();
   // Another number than before when somebody else has changed the keys since.

@@ -59,6 +59,13 @@ class Checker {
       part("segments", [this] { check_segments(); });
       part("edges", [this] { check_edges(); });
       part("merges", [this] { check_merges(); });
+      part("key_usage", [this] {
+        findings_of(
+            "SELECT 'key_usage: key ' || key, 'its numbers are not those of its images' FROM (SELECT key, images, "
+            "bytes "
+            "FROM key_usage UNION ALL SELECT key, -count(*), -sum(bytes) FROM owned_images GROUP BY key) GROUP BY key "
+            "HAVING sum(images) <> 0 OR sum(bytes) <> 0");
+      });
     } catch (const Enough&) {
     }
     return std::move(report_);

@@ -16,6 +16,7 @@
 #include "core/geometry/epipolar_verifier.h"
 #include "schema/engine/data_folder.h"
 #include "schema/maps/map_store.h"
+#include "schema/ownership_store.h"
 #include "server/access/access_gate.h"
 #include "server/access/addresses.h"
 #include "server/access/key_ring.h"
@@ -220,6 +221,12 @@ class Server::Impl {
                        [this] { return static_cast<double>(http_.connections()); });
     metrics_.add_gauge("event_streams", "Open streams of events.",
                        [this] { return static_cast<double>(events_.streams()); });
+    metrics_.add_gauges("key_images", "Images that are each key's.", "key",
+                        [this] { return of_each_key([](const KeyUsage& usage) { return usage.images; }); });
+    metrics_.add_gauges("key_bytes", "Bytes that are kept of them.", "key",
+                        [this] { return of_each_key([](const KeyUsage& usage) { return usage.bytes; }); });
+    metrics_.add_gauges("key_queued_merges", "Merges of each key that wait or run.", "key",
+                        [this] { return of_each_key([](const KeyUsage& usage) { return usage.queued_merges; }); });
     metrics_.add_gauges("merges", "Merges by state.", "state", [this] { return merges_by_state(); });
     metrics_.add_counter("merge_verifications_total", "Pairs that merges have verified since the start.",
                          [this] { return static_cast<double>(journal_.totals().verifications); });
@@ -229,6 +236,15 @@ class Server::Impl {
                        [this] { return static_cast<double>(edges_verified_and_confirmed().first); });
     metrics_.add_gauge("edges_confirmed", "Of them, those that are edges of their maps.",
                        [this] { return static_cast<double>(edges_verified_and_confirmed().second); });
+  }
+
+  Metrics::Labelled of_each_key(std::int64_t (*number)(const KeyUsage& usage)) {
+    Metrics::Labelled numbers;
+    const ReadTransaction db = store_.read();
+    for (const auto& caller : keys_.in_force()) {
+      numbers[caller->name] = static_cast<double>(number(usage_of(db, caller->id)));
+    }
+    return numbers;
   }
 
   Metrics::Labelled merges_by_state() {

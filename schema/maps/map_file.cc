@@ -153,6 +153,7 @@ void refuse_excess(Connection& file) {
       {"an inverted index", "SELECT count(*) FROM segments", 0},
       {"merges", "SELECT count(*) FROM merges", 0},
       {"answers", "SELECT count(*) FROM kept_answers", 0},
+      {"owners", "SELECT (SELECT count(*) FROM owned_images) + (SELECT count(*) FROM owned_merges)", 0},
       {"an image that is too large", "SELECT coalesce(max(length(bytes)), 0) FROM image_bytes", 64 * kMiB},
       {"appearances that are too large", "SELECT coalesce(max(length(bytes)), 0) FROM appearances", 16 * kMiB},
       {"evidence that is too large", "SELECT coalesce(max(length(evidence)), 0) FROM edges", 16 * kMiB},

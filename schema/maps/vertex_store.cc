@@ -6,6 +6,7 @@
 
 #include "schema/blobs/appearance_blob.h"
 #include "schema/maps/absent_vertices.h"
+#include "schema/ownership_store.h"
 #include "schema/rows.h"
 
 namespace mapweld {
@@ -83,6 +84,7 @@ ImageId insert_image(WriteTransaction& db, MapId map, const NewImage& image, con
   if (!image.bytes.empty()) {
     db.prepare("INSERT INTO image_bytes (image, bytes) VALUES (?, ?)").bind_all(id, image.bytes).run();
   }
+  if (image.owner) own_image(db, id, *image.owner);
   return id;
 }
 

@@ -31,6 +31,7 @@ struct NewImage {
   Reason reason = Reason::kNone;  // inserted without an edge: why
   Timestamp uploaded_at;
   std::span<const std::uint8_t> bytes;  // kept when not empty; need not outlive the call
+  std::optional<std::int64_t> owner;    // the number of the key that it came with
 };
 
 // Inserts the next vertex of a plain map: image, appearances under `vocabulary` and its edges; the map's revision grows

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "schema/key_store.h"
 #include "server/access/role.h"
 
 namespace mapweld::server {
@@ -12,6 +13,7 @@ struct Caller {
   std::int64_t id = 0;  // of the key, never another's; 0: none
   std::string name;     // of the key
   Role role = Role::kRead;
+  KeyQuota quota = {};
   std::string maps = "*";  // a pattern (fnmatch) of the maps that it may use
 
   bool may_use(const std::string& map) const;

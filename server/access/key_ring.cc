@@ -32,8 +32,9 @@ void KeyRing::refresh() {
       if (row.revoked_at) continue;
       const std::optional<Role> role = parse_role(row.role);
       if (!role) continue;
-      in_force.push_back({row.sha256, std::make_shared<Caller>(
-                                          Caller{.id = row.id, .name = row.name, .role = *role, .maps = row.maps})});
+      in_force.push_back(
+          {row.sha256, std::make_shared<Caller>(Caller{
+                           .id = row.id, .name = row.name, .role = *role, .quota = row.quota, .maps = row.maps})});
     }
     in_force_ = std::move(in_force);
     has_keys_ = !rows.empty();
@@ -45,6 +46,14 @@ void KeyRing::refresh() {
     if (error.kind() == StoreErrorKind::kBusy || std::exchange(has_trouble_, true)) return;
     spdlog::error("the keys cannot be read, those of before stay in force: {}", error.what());
   }
+}
+
+std::vector<std::shared_ptr<const Caller>> KeyRing::in_force() {
+  const std::lock_guard lock(mutex_);
+  refresh();
+  std::vector<std::shared_ptr<const Caller>> callers;
+  for (const Entry& entry : in_force_) callers.push_back(entry.caller);
+  return callers;
 }
 
 KeyRing::Finding KeyRing::find(std::string_view key) {

@@ -28,6 +28,8 @@ class KeyRing {
   // A key that was revoked, or made, before the call counts as such. Takes the same time wherever two keys differ.
   // While the file cannot be read the keys are those that they were.
   Finding find(std::string_view key);
+  // Those of all keys.
+  std::vector<std::shared_ptr<const Caller>> in_force();
 
  private:
   struct Entry {

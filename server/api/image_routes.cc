@@ -57,7 +57,7 @@ Reply upload(ImageService& images, const Request& request, Once& once) {
   const std::string& map = request.parameter("map");
   const auto keep = once.keeps<StoredUpload>(
       [&](WriteTransaction& db, const StoredUpload& stored) { once.keep(db, upload_reply(map, stored.outcome), map); });
-  return upload_reply(map, images.upload(map, image, request.query.text("map_uuid"), keep));
+  return upload_reply(map, images.upload(map, image, request.query.text("map_uuid"), keep, request.caller.get()));
 }
 
 // An image that was stored under the request's key before is not uploaded again.
@@ -83,7 +83,7 @@ Reply upload_batch(ImageService& images, const Request& request, Once& once) {
     const auto keep = once.keeps<StoredUpload>([&](WriteTransaction& db, const StoredUpload& stored) {
       once.keep(db, upload_reply(map, stored.outcome), map, part_of[stored.place]);
     });
-    auto uploaded = images.upload_batch(map, uploads, request.query.text("map_uuid"), keep);
+    auto uploaded = images.upload_batch(map, uploads, request.query.text("map_uuid"), keep, request.caller.get());
     for (std::size_t i = 0; i < uploaded.size(); ++i) outcomes.emplace(part_of[i], std::move(uploaded[i]));
   }
   contract::Batch batch;

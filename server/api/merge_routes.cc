@@ -117,8 +117,8 @@ void add_merge_routes(Router& router, const Services& services) {
               .body = BodyRule::kOptional,
               .json_body = true,
               .handler = services.idempotency.once([&merges](const Request& request, Once& once) {
-                return commanded(
-                    merges.resume(merge_in_path(merges, request), run_in(request), kept_as(once, commanded)));
+                return commanded(merges.resume(merge_in_path(merges, request), run_in(request),
+                                               kept_as(once, commanded), request.caller.get()));
               })});
   router.add({.method = "POST",
               .pattern = "/v1/merges/{merge}/restart",
@@ -126,8 +126,8 @@ void add_merge_routes(Router& router, const Services& services) {
               .body = BodyRule::kOptional,
               .json_body = true,
               .handler = services.idempotency.once([&merges](const Request& request, Once& once) {
-                return commanded(
-                    merges.restart(merge_in_path(merges, request), run_in(request), kept_as(once, commanded)));
+                return commanded(merges.restart(merge_in_path(merges, request), run_in(request),
+                                                kept_as(once, commanded), request.caller.get()));
               })});
   router.add({.method = "POST",
               .pattern = "/v1/merges/{merge}/cancel",

@@ -67,7 +67,8 @@ void add_removal_routes(Router& router, const Services& services) {
                     const std::uint32_t vertex = vertex_in_path(request);
                     removals.restore(map, vertex, once.keeps<VertexId>([&](WriteTransaction& db, VertexId) {
                       once.keep(db, json_reply(200, maps.vertex(db, map, vertex)), map);
-                    }));
+                    }),
+                                     request.caller.get());
                     tell_map(events, map, "images");
                     return json_reply(200, maps.vertex(map, vertex));
                   })});

@@ -2,6 +2,7 @@
 #include "server/api/api.h"
 #include "server/api/openapi.h"
 #include "server/api/replies.h"
+#include "server/services/quotas.h"
 #include "server/version.h"
 
 namespace mapweld::server {
@@ -34,6 +35,12 @@ void add_system_routes(Router& router, const Services& services) {
                 reply.content_type = "text/plain; version=0.0.4; charset=utf-8";
                 reply.body = metrics.prometheus_text();
                 return reply;
+              }});
+  router.add({.method = "GET",
+              .pattern = "/v1/quota",
+              .role = Role::kRead,
+              .handler = [&store = services.store](const Request& request) {
+                return json_reply(200, quota_of(store.read(), request.caller.get()));
               }});
   router.add({.method = "GET", .pattern = "/v1/openapi.json", .role = Role::kRead, .handler = [](const Request&) {
                 Reply reply;

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <cstdio>
 #include <functional>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -15,6 +17,7 @@
 #include "schema/key_store.h"
 #include "server/access/key.h"
 #include "server/access/role.h"
+#include "server/http/wire/text.h"
 #include "server/services/hashing.h"
 #include "server/services/times.h"
 
@@ -29,11 +32,29 @@ struct KeyCommand {
   std::string name;
   std::string role;
   std::string maps = "*";
+  std::string max_images;  // as typed; empty: not given
+  std::string max_bytes;
+  std::string max_queued_merges;
 };
 
 class Refused : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
+
+constexpr const char* kNoBound = "none";
+
+// What was typed of a bound, in the place of what there was.
+std::optional<std::int64_t> bound(const std::string& typed, std::optional<std::int64_t> before = {}) {
+  if (typed.empty()) return before;
+  if (typed == kNoBound) return std::nullopt;
+  std::uint64_t number = 0;
+  if (!parse_whole(typed, number, 10) || number > INT64_MAX) {
+    throw Refused("a bound is a whole number, or \"none\"; \"" + typed + "\" is not");
+  }
+  return static_cast<std::int64_t>(number);
+}
+
+std::string shown(const std::optional<std::int64_t>& bound) { return bound ? std::to_string(*bound) : "-"; }
 
 void create(const KeyCommand& command) {
   if (!contract::is_slug(command.name)) {
@@ -50,6 +71,7 @@ void create(const KeyCommand& command) {
   row.maps = command.maps;
   row.sha256 = sha256({reinterpret_cast<const std::uint8_t*>(key.data()), key.size()});
   row.created_at = now();
+  row.quota = {bound(command.max_images), bound(command.max_bytes), bound(command.max_queued_merges)};
   if (!KeyStore(command.data).add(row)) {
     throw Refused("there is a key named \"" + command.name + "\" already: choose another name, or revoke it first");
   }
@@ -59,12 +81,14 @@ void create(const KeyCommand& command) {
 }
 
 void list(const KeyCommand& command) {
-  std::vector<std::array<std::string, 5>> table = {{"NAME", "ROLE", "MAPS", "CREATED", "REVOKED"}};
+  std::vector<std::array<std::string, 8>> table = {
+      {"NAME", "ROLE", "MAPS", "CREATED", "REVOKED", "MAX-IMAGES", "MAX-BYTES", "MAX-QUEUED-MERGES"}};
   for (const KeyRow& key : KeyStore(command.data).list()) {
-    table.push_back(
-        {key.name, key.role, key.maps, to_rfc3339(key.created_at), key.revoked_at ? to_rfc3339(*key.revoked_at) : "-"});
+    table.push_back({key.name, key.role, key.maps, to_rfc3339(key.created_at),
+                     key.revoked_at ? to_rfc3339(*key.revoked_at) : "-", shown(key.quota.images),
+                     shown(key.quota.bytes), shown(key.quota.queued_merges)});
   }
-  std::array<std::size_t, 5> widths{};
+  std::array<std::size_t, 8> widths{};
   for (const auto& row : table) {
     for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
   }
@@ -75,6 +99,21 @@ void list(const KeyCommand& command) {
     }
     std::cout << line << "\n";
   }
+}
+
+void change(const KeyCommand& command) {
+  KeyStore keys(command.data);
+  const std::vector<KeyRow> rows = keys.list();
+  const auto key =
+      std::ranges::find_if(rows, [&](const KeyRow& row) { return row.name == command.name && !row.revoked_at; });
+  if (key == rows.end()) throw Refused("no key named \"" + command.name + "\" is in force");
+  const KeyQuota quota{bound(command.max_images, key->quota.images), bound(command.max_bytes, key->quota.bytes),
+                       bound(command.max_queued_merges, key->quota.queued_merges)};
+  if (quota == key->quota) throw Refused("say what is to change: --max-images, --max-bytes or --max-queued-merges");
+  keys.set_quota(command.name, quota);
+  std::cerr << "The key \"" << command.name << "\" may have, on a running server too: images " << shown(quota.images)
+            << ", bytes of them " << shown(quota.bytes) << ", merges that wait or run " << shown(quota.queued_merges)
+            << "." << std::endl;
 }
 
 void revoke(const KeyCommand& command) {
@@ -120,6 +159,14 @@ void add_key_command(CLI::App& app) {
       ->required()
       ->check(CLI::IsMember(roles));
   made->add_option("--maps", command->maps, "Pattern of the maps that it may use, like 'lab-*'")->capture_default_str();
+  CLI::App* changed = add("change", "Gives a key another quota; what it has stays", change);
+  changed->add_option("NAME", command->name)->required();
+  for (CLI::App* sub : {made, changed}) {
+    sub->add_option("--max-images", command->max_images, "Most images that it may have in maps; \"none\": no bound");
+    sub->add_option("--max-bytes", command->max_bytes, "Most bytes that are kept of them");
+    sub->add_option("--max-queued-merges", command->max_queued_merges,
+                    "Most of its merges that may wait or run at once");
+  }
   add("list", "Lists keys, those that were revoked too", list);
   add("revoke", "Ends a key, at once", revoke)->add_option("NAME", command->name)->required();
 }

@@ -19,6 +19,7 @@
 #include "server/http/files/body_file.h"
 #include "server/maps/map_settings.h"
 #include "server/services/map_lookup.h"
+#include "server/services/quotas.h"
 #include "server/services/uuid.h"
 
 namespace mapweld::server {
@@ -141,7 +142,11 @@ contract::Map MapTransfer::import_map(const std::filesystem::path& path, const s
   WriteTransaction db = store_.write();
   require_free(db, own_name);
   if (!contract::is_uuid(uuid) || find_map_by_uuid(db, uuid)) uuid = make_uuid();
-  from_file([&] { mapweld::import_map(db, *file, own_name, uuid, vocabulary); });
+  const MapId id = from_file([&] { return mapweld::import_map(db, *file, own_name, uuid, vocabulary); });
+  if (caller != nullptr) {
+    own_images_of(db, id, caller->id);
+    require_images_fit(db, caller);
+  }
   contract::Map imported = maps_.get(db, own_name);
   if (keep) keep(db, imported);
   db.commit();

@@ -32,8 +32,8 @@ class MapTransfer {
 
   // Takes in a file that export_map wrote, here or elsewhere, as the map `name`, or under the name that it has. It
   // keeps its uuid, unless that is taken here. A vocabulary that this server has not comes with it, if the caller may
-  // add one. `file` is changed. damaged_file, invalid_name, name_taken, vocabulary_mismatch, forbidden; busy while
-  // another file is taken in.
+  // add one. `file` is changed. damaged_file, invalid_name, name_taken, vocabulary_mismatch, forbidden, quota_exceeded;
+  // busy while another file is taken in.
   contract::Map import_map(const std::filesystem::path& file, const std::optional<std::string>& name,
                            const Caller* caller, const Keep<contract::Map>& keep = {});
 

@@ -65,7 +65,8 @@ Reply problem_reply(const contract::Problem& problem) {
   reply.status = problem.status;
   reply.content_type = "application/problem+json";
   reply.body = contract::dump(contract::Json(problem));
-  const bool may_pass = problem.status == 429 || problem.status == 503 || problem.code == "idempotency_in_progress";
+  const bool may_pass =
+      problem.status == 503 || problem.code == "rate_limited" || problem.code == "idempotency_in_progress";
   if (may_pass) reply.headers.emplace_back("Retry-After", "1");
   return reply;
 }

@@ -32,11 +32,12 @@ class ImageService {
                ImageDecoder& decoder, Metrics& metrics, const ImageServiceOptions& options = {})
       : context_{store, cache, vocabularies, workers, decoder, metrics, options.max_group, options.stored} {}
 
-  // Returns when the outcome is durable. The same name with the same bytes gets the first outcome again.
-  // Throws ContractError no_such_map, map_is_merged, wrong_map (`map_uuid` is another map's), invalid_name, name_taken,
-  // empty_body, shutting_down; ImageError; StoreError. Then nothing is stored.
+  // Returns when the outcome is durable. The image is the caller's, if there is one. The same name with the same bytes
+  // gets the first outcome again. Throws ContractError no_such_map, map_is_merged, wrong_map (`map_uuid` is another
+  // map's), invalid_name, name_taken, empty_body, shutting_down, quota_exceeded; ImageError; StoreError. Then nothing
+  // is stored.
   UploadOutcome upload(const std::string& map, const ImageUpload& image, const std::optional<std::string>& map_uuid,
-                       const Keep<StoredUpload>& keep = {});
+                       const Keep<StoredUpload>& keep = {}, const Caller* caller = nullptr);
 
   // Takes images in their order: the map becomes the one that single uploads in this order make. Each has its own
   // outcome or problem. When storing fails, the images after it are not tried: they get the same problem.
@@ -44,7 +45,7 @@ class ImageService {
   // Throws what concerns the batch as a whole (the map), before anything is stored.
   std::vector<BatchOutcome> upload_batch(const std::string& map, const std::vector<ImageUpload>& images,
                                          const std::optional<std::string>& map_uuid,
-                                         const Keep<StoredUpload>& keep = {});
+                                         const Keep<StoredUpload>& keep = {}, const Caller* caller = nullptr);
 
   // The server is stopping: images that are not being stored at this time are refused with shutting_down.
   void refuse_after(std::chrono::steady_clock::time_point deadline) { context_.deadline = deadline.time_since_epoch(); }

@@ -12,6 +12,7 @@
 #include "schema/maps/map_store.h"
 #include "schema/maps/vertex_store.h"
 #include "schema/merges/merge_store.h"
+#include "server/services/quotas.h"
 #include "server/services/times.h"
 
 namespace mapweld::server {
@@ -227,7 +228,7 @@ contract::Merge MergeService::submit(const contract::SubmitMerge& request, const
     if (from.serves_certificate) to.serves_certificate = *from.serves_certificate;
   }
   if (request.budget) merge.budget = *request.budget;
-  return present(jobs_.submit(merge, presented(keep)));
+  return present(jobs_.submit(merge, taken(keep, caller)));
 }
 
 void MergeService::require_use(std::int64_t id, const Caller* caller) const {
@@ -271,20 +272,28 @@ Keep<MergeStatus> MergeService::presented(const Keep<contract::Merge>& keep) con
   return [this, &keep](WriteTransaction& db, const MergeStatus& status) { keep(db, present(status)); };
 }
 
+Keep<MergeStatus> MergeService::taken(const Keep<contract::Merge>& keep, const Caller* caller) const {
+  if (caller == nullptr) return presented(keep);
+  return [this, &keep, caller](WriteTransaction& db, const MergeStatus& status) {
+    take_merge(db, caller, JobId{status.id});
+    if (keep) keep(db, present(status));
+  };
+}
+
 contract::Merge MergeService::pause(std::int64_t id, const Keep<contract::Merge>& keep) {
   return present(jobs_.pause(id, presented(keep)));
 }
 
 contract::Merge MergeService::resume(std::int64_t id, const contract::RunMerge& request,
-                                     const Keep<contract::Merge>& keep) {
+                                     const Keep<contract::Merge>& keep, const Caller* caller) {
   contract::check(request);
-  return present(jobs_.resume(id, request.budget, presented(keep)));
+  return present(jobs_.resume(id, request.budget, taken(keep, caller)));
 }
 
 contract::Merge MergeService::restart(std::int64_t id, const contract::RunMerge& request,
-                                      const Keep<contract::Merge>& keep) {
+                                      const Keep<contract::Merge>& keep, const Caller* caller) {
   contract::check(request);
-  return present(jobs_.restart(id, request.budget, presented(keep)));
+  return present(jobs_.restart(id, request.budget, taken(keep, caller)));
 }
 
 contract::Merge MergeService::cancel(std::int64_t id, const Keep<contract::Merge>& keep) {

@@ -21,7 +21,8 @@ class MergeService {
   MergeService(Store& store, MergeJobs& jobs, MapOpener& opener, QualityService& quality)
       : store_(store), jobs_(jobs), opener_(opener), quality_(quality) {}
 
-  // Also forbidden, when the caller may not use a member or a map of the merge's name; null: may use all.
+  // Also quota_exceeded, and forbidden when the caller may not use a member or a map of the merge's name; null: may use
+  // all.
   contract::Merge submit(const contract::SubmitMerge& request, const Caller* caller = nullptr,
                          const Keep<contract::Merge>& keep = {});
   // Throws forbidden when the caller may not use the merged map, by whose name a merge goes; no_such_merge.
@@ -33,8 +34,11 @@ class MergeService {
   contract::Page<contract::MergeEdge> edges(std::int64_t id, const PageRequest& page) const;
 
   contract::Merge pause(std::int64_t id, const Keep<contract::Merge>& keep = {});
-  contract::Merge resume(std::int64_t id, const contract::RunMerge& request, const Keep<contract::Merge>& keep = {});
-  contract::Merge restart(std::int64_t id, const contract::RunMerge& request, const Keep<contract::Merge>& keep = {});
+  // These let it run, as the caller's, if there is one: quota_exceeded.
+  contract::Merge resume(std::int64_t id, const contract::RunMerge& request, const Keep<contract::Merge>& keep = {},
+                         const Caller* caller = nullptr);
+  contract::Merge restart(std::int64_t id, const contract::RunMerge& request, const Keep<contract::Merge>& keep = {},
+                          const Caller* caller = nullptr);
   contract::Merge cancel(std::int64_t id, const Keep<contract::Merge>& keep = {});
   void remove(std::int64_t id);
 
@@ -43,6 +47,8 @@ class MergeService {
   contract::Merge present(const MergeStatus& status) const;
   // To be kept as it is shown.
   Keep<MergeStatus> presented(const Keep<contract::Merge>& keep) const;
+  // The same of one that is being queued, which is the caller's then.
+  Keep<MergeStatus> taken(const Keep<contract::Merge>& keep, const Caller* caller) const;
 
   Store& store_;
   MergeJobs& jobs_;

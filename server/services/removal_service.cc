@@ -7,6 +7,7 @@
 #include "schema/maps/vertex_store.h"
 #include "schema/merges/merge_store.h"
 #include "server/services/map_lookup.h"
+#include "server/services/quotas.h"
 #include "server/services/times.h"
 
 namespace mapweld::server {
@@ -79,9 +80,15 @@ void RemovalService::remove_image(const std::string& map, std::uint32_t vertex) 
   db.commit();
 }
 
-void RemovalService::restore(const std::string& map, std::uint32_t vertex, const Keep<VertexId>& keep) {
+void RemovalService::restore(const std::string& map, std::uint32_t vertex, const Keep<VertexId>& keep,
+                             const Caller* caller) {
   change(map, [&](WriteTransaction& db, const MapRow& row) {
-    if (!restore_vertex(db, row.id, VertexId{vertex})) require_vertex(db, row, load_layout(db, row.id), vertex);
+    if (!restore_vertex(db, row.id, VertexId{vertex})) {
+      require_vertex(db, row, load_layout(db, row.id), vertex);
+    } else if (caller != nullptr) {
+      own_vertex(db, row.id, VertexId{vertex}, caller->id);
+      require_images_fit(db, caller);
+    }
     if (keep) keep(db, VertexId{vertex});
   });
 }

@@ -6,6 +6,7 @@
 
 #include "schema/maps/map_store.h"
 #include "schema/store.h"
+#include "server/access/caller.h"
 #include "server/maps/map_cache.h"
 #include "server/services/keep.h"
 
@@ -31,7 +32,9 @@ class RemovalService {
   void remove_image(const std::string& map, std::uint32_t vertex);
 
   // Also for a vertex that is not deleted. no_such_vertex for one that never was, or was purged.
-  void restore(const std::string& map, std::uint32_t vertex, const Keep<VertexId>& keep = {});
+  // It becomes the caller's, if there is one: quota_exceeded.
+  void restore(const std::string& map, std::uint32_t vertex, const Keep<VertexId>& keep = {},
+               const Caller* caller = nullptr);
 
  private:
   template <typename Change>

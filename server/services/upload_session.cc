@@ -36,8 +36,9 @@ void UploadContext::refuse_when_stopping() const {
 }
 
 UploadSession::UploadSession(UploadContext& context, const std::string& map_name,
-                             const std::optional<std::string>& map_uuid, const Keep<StoredUpload>& keep)
-    : context_(context), keep_(keep) {
+                             const std::optional<std::string>& map_uuid, const Keep<StoredUpload>& keep,
+                             const Caller* caller)
+    : context_(context), keep_(keep), caller_(caller) {
   std::optional<std::vector<std::uint8_t>> mask_png;
   {
     const ReadTransaction db = context.store.read();
@@ -149,6 +150,7 @@ std::optional<UploadOutcome> UploadSession::find_repeated(const Reader& db, cons
 
 std::exception_ptr UploadSession::store(std::vector<Pending>& group) {
   const auto turn = context_.cache.writer_turn(map_.id);
+  const auto quota_turn = context_.quota_turns.take(caller_);
   try {
     open_map();  // as it is now: the cache forgets a map of which images are deleted
     decide_all(group);
@@ -172,9 +174,12 @@ void UploadSession::decide_all(std::vector<Pending>& group) {
   std::uint64_t ignored = present->ignored;
   NamesOfGroup names;
   ContentsOfGroup contents;
+  Room room(db, caller_);
   for (Pending& pending : group) {
     if (settle_by_name(db, pending, names)) continue;
-    if (!decide_by_content(db, pending, contents)) decide_one(pending, vertices);
+    const bool is_known = decide_by_content(db, pending, contents);
+    if (refuse_without_room(pending, room)) continue;
+    if (!is_known) decide_one(pending, vertices);
     contents.emplace(pending.prepared.hash, &pending);
     const bool inserts = pending.decision.outcome == MappingDecision::Outcome::kInserted;
     pending.name = pending.upload->name;
@@ -208,6 +213,22 @@ bool UploadSession::settle_by_name(const Reader& db, Pending& pending, const Nam
     *pending.outcome = std::current_exception();
     return pending.settled = true;
   }
+}
+
+bool UploadSession::refuse_without_room(Pending& pending, Room& room) const {
+  try {
+    room.take_image(static_cast<std::int64_t>(bytes_kept(pending).size()));
+    return false;
+  } catch (const ContractError&) {
+    *pending.outcome = std::current_exception();
+    return pending.settled = true;
+  }
+}
+
+// Nothing of an image that the map has under another name.
+std::span<const std::uint8_t> UploadSession::bytes_kept(const Pending& pending) const {
+  const bool has_twin = pending.ignored_reason == IgnoredReason::kIdentical;
+  return settings_.store_images && !has_twin ? pending.upload->bytes : std::span<const std::uint8_t>{};
 }
 
 std::string UploadSession::free_name(const Reader& db, const NamesOfGroup& names, const std::string& wanted) const {
@@ -279,6 +300,7 @@ void UploadSession::write_all(std::vector<Pending>& group) {
       ++written;
     }
     if (written == 0) return finish_repeats(group);
+    require_images_fit(db, caller_);
     if (keep_) keep_all(db, group, watch.elapsed_s() / static_cast<double>(written));
     db.commit();
   }
@@ -323,9 +345,8 @@ void UploadSession::write_one(WriteTransaction& db, Pending& pending, VerifierId
   row.provenance = pending.upload->provenance;
   row.reason = decision.reason;
   row.uploaded_at = now();
-  const bool has_twin = pending.ignored_reason == IgnoredReason::kIdentical;
-  if (settings_.store_images && !has_twin) row.bytes = pending.upload->bytes;
-
+  row.bytes = bytes_kept(pending);
+  if (caller_ != nullptr) row.owner = caller_->id;
   if (decision.outcome == MappingDecision::Outcome::kIgnored) {
     insert_ignored(db, map_.id, row, decision.similar_to, decision.inliers, pending.ignored_reason);
     *pending.outcome =

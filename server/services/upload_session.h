@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,7 @@
 #include "server/metrics/metrics.h"
 #include "server/services/image_analyzer.h"
 #include "server/services/keep.h"
+#include "server/services/quotas.h"
 #include "server/services/upload_outcome.h"
 #include "server/services/vocabulary_service.h"
 #include "server/services/worker_pool.h"
@@ -43,6 +45,8 @@ struct UploadContext {
   // Told of each image once it is stored; may be empty.
   std::function<void(const std::string& map, const contract::Upload&)> stored = {};
 
+  QuotaTurns quota_turns = {};
+
   // Images that are not being stored at this time are refused from then on.
   std::atomic<std::chrono::steady_clock::duration> deadline{std::chrono::steady_clock::duration::max()};
   // Throws ContractError shutting_down when that time has come.
@@ -56,7 +60,7 @@ class UploadSession {
  public:
   // Throws ContractError no_such_map, map_is_merged, wrong_map.
   UploadSession(UploadContext& context, const std::string& map_name, const std::optional<std::string>& map_uuid,
-                const Keep<StoredUpload>& keep = {});
+                const Keep<StoredUpload>& keep = {}, const Caller* caller = nullptr);
 
   // An outcome for each, in order; returns when they are durable.
   std::vector<BatchOutcome> run(const std::vector<ImageUpload>& images);
@@ -98,6 +102,8 @@ class UploadSession {
   void decide_all(std::vector<Pending>& group);
   bool settle_by_name(const Reader& db, Pending& pending, const NamesOfGroup& names) const;
   std::string free_name(const Reader& db, const NamesOfGroup& names, const std::string& wanted) const;
+  std::span<const std::uint8_t> bytes_kept(const Pending& pending) const;
+  bool refuse_without_room(Pending& pending, Room& room) const;
   bool decide_by_content(const Reader& db, Pending& pending, const ContentsOfGroup& contents) const;
   void decide_one(Pending& pending, std::uint32_t vertices);
   void write_all(std::vector<Pending>& group);
@@ -109,6 +115,7 @@ class UploadSession {
 
   UploadContext& context_;
   const Keep<StoredUpload> keep_;
+  const Caller* const caller_;  // whose the images become; null: nobody's
   MapRow map_;
   MapSettings settings_;
   cv::Mat mask_;  // empty: none

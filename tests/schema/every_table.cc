@@ -7,6 +7,7 @@
 #include "schema/maps/purge.h"
 #include "schema/maps/vertex_removal.h"
 #include "schema/merges/merge_store.h"
+#include "schema/ownership_store.h"
 #include "schema/segments/segment_store.h"
 
 namespace mapweld::test {
@@ -21,6 +22,7 @@ EveryTable::EveryTable(Store& store)
       NewImage image = new_image(std::to_string(v), appearances);
       SHA256(bytes.data(), bytes.size(), image.sha256.data());
       image.bytes = bytes;
+      image.owner = 7;
       std::vector<NewEdge> edges;
       if (v > 0) edges.push_back({VertexId{v - 1}, {}, 30, random_verification(random, 15, 40, 40)});
       WriteTransaction db = store.write();
@@ -37,6 +39,7 @@ EveryTable::EveryTable(Store& store)
   const MapId merged = insert_merged_map(db, new_map("ab", vocabulary), std::vector{a, b});
   const JobId job = insert_merge(db, {merged, "quickconnect", 7, "{}", "{}", at(0)});
   const std::uint64_t epoch = claim_merge(db, job, at(1)).value();
+  own_merge(db, job, 7);
   MergeState state;
   state.method = "quickconnect";
   state.vertices = 40;

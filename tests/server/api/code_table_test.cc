@@ -156,7 +156,7 @@ TEST_F(CodeTable, IsReachedWholeAndNothingStoredChanges) {
       {"rate_limited", "AccessGateTest.AKeyHasItsRate"},
       {"idempotency_in_progress", "LostAnswers.AKeyIsFreeAgainWhenItsRequestHasEnded"},
       {"idempotency_mismatch", "Idempotency.AnotherRequestUnderTheKeyIsRefused"},
-      {"quota_exceeded", "reserved: nobody has a quota yet"},
+      {"quota_exceeded", "Quotas.ImagesBeyondAreRefusedAndDeletingGivesBack"},
       {"not_implemented", "reserved: whatever is settled is served"},
   };
   const std::string stored = dump_store(api_.services().store());

@@ -16,6 +16,7 @@
 #include "client/contract/merge.h"
 #include "client/contract/pair.h"
 #include "client/contract/problem_document.h"
+#include "client/contract/quota.h"
 #include "client/contract/route.h"
 #include "client/contract/vocabulary.h"
 #include "tests/server/support/api_under_test.h"
@@ -101,7 +102,7 @@ TEST(DocumentedExamples, AreDocumentsOfTheContract) {
     const Json example = parse_json(text);
     const bool known =
         fits_any<contract::Vocabulary, Backup, Map, Upload, Vertex, IgnoredImage, contract::Localization,
-                 contract::Edge, Quality, contract::Route, SubmitMerge, Merge, Pair, contract::Problem>(example);
+                 contract::Edge, Quality, contract::Route, SubmitMerge, Merge, Pair, contract::Quota, contract::Problem>(example);
     EXPECT_TRUE(known) << text;
     if (!is_submission(example)) continue;
     EXPECT_NO_THROW(check(read_request<SubmitMerge>(example))) << text;

@@ -12,6 +12,7 @@
 #include "client/contract/merge.h"
 #include "client/contract/pair.h"
 #include "client/contract/problem_document.h"
+#include "client/contract/quota.h"
 #include "client/contract/route.h"
 #include "client/contract/vocabulary.h"
 #include "server/api/openapi.h"
@@ -83,6 +84,8 @@ TEST(OpenApi, SchemasHaveTheFieldsOfTheDocuments) {
   expect_answer<Evidence>(schemas["Pair"]["properties"]["evidence"]["items"], "a pair's evidence");
   expect_answer<Problem>(schemas["Problem"], "Problem");
   expect_answer<Backup>(schemas["Backup"], "Backup");
+  expect_answer<Quota>(schemas["Quota"], "Quota");
+  expect_answer<Share>(schemas["Share"], "Share");
   expect_answer<Vocabulary>(schemas["Vocabulary"], "Vocabulary");
   expect_fields<MapParameters>(schemas["MapParameters"], "MapParameters");
   expect_fields<CreateMap>(schemas["CreateMap"], "CreateMap");
