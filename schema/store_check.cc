@@ -54,6 +54,7 @@ class Checker {
       part("images", [this] {
         check_images();
         check_masks();
+        check_cameras();
       });
       part("appearances", [this] { check_appearances(); });
       part("segments", [this] { check_segments(); });
@@ -184,6 +185,12 @@ class Checker {
       expect(hash_of(row.blob(3)) == rows::sha256(row, 2), where, "its bytes have another SHA-256 than its row");
       expect(row.text(1) == "map", where, "a merged map has none");
     }
+  }
+
+  void check_cameras() {
+    findings_of(
+        "SELECT 'map_cameras: ' || name, 'a merged map has none' FROM map_cameras JOIN maps ON id = map "
+        "WHERE kind <> 'map'");
   }
 
   void check_appearances() {

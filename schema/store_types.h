@@ -27,7 +27,8 @@ struct Provenance {
   std::optional<Timestamp> captured_at;
   std::optional<std::string> sequence;  // name of the run that it is part of
   std::optional<std::int64_t> index;    // position in that run
-  std::optional<std::string> camera;    // JSON: model and intrinsics
+  std::optional<std::string> camera;    // JSON of the contract; none: its map's
+  std::optional<std::string> pose;      // likewise
   friend bool operator==(const Provenance&, const Provenance&) = default;
 };
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "schema/engine/data_folder.h"
-#include "schema/engine/migrations.h"
 #include "schema/engine/free_space.h"
+#include "schema/engine/migrations.h"
 #include "schema/maps/edge_store.h"
 #include "schema/store_check.h"
 
@@ -189,7 +189,9 @@ void export_map(const Reader& db, MapId map, const fs::path& file, const MapFile
     copy_rows(from, to, "vocabulary_chunks", "vocabulary = " + its_vocabulary + " ORDER BY chunk");
     copy_rows(from, to, "maps", "id = " + id);
     copy_rows(from, to, "map_masks", "map = " + id);
+    copy_rows(from, to, "map_cameras", "map = " + id);
     copy_rows(from, to, "images", "id IN " + its_images + " ORDER BY id");
+    copy_rows(from, to, "image_poses", "image IN " + its_images + " ORDER BY image");
     if (options.pixels) copy_rows(from, to, "image_bytes", "image IN " + its_images + " ORDER BY image");
     copy_rows(
         from, to, "appearances",
@@ -233,11 +235,14 @@ MapId import_map(WriteTransaction& db, MapFile& file, const std::string& name, c
   copy_rows(from, to, "maps", "TRUE",
             {{"id", id}, {"name", quoted(name)}, {"uuid", quoted(uuid)}, {"vocabulary", words}});
   copy_rows(from, to, "map_masks", "TRUE", {{"map", id}});
+  copy_rows(from, to, "map_cameras", "TRUE", {{"map", id}});
   const std::string image = number(distance(from, to, "images"));
   const std::string there = "deleted_at_us IS NULL";
   copy_rows(from, to, "images", there + " ORDER BY id", {{"map", id}, {"id", "id + " + image}});
-  copy_rows(from, to, "image_bytes", "image IN (SELECT id FROM images WHERE " + there + ") ORDER BY image",
-            {{"image", "image + " + image}});
+  for (const char* table : {"image_poses", "image_bytes"}) {
+    copy_rows(from, to, table, "image IN (SELECT id FROM images WHERE " + there + ") ORDER BY image",
+              {{"image", "image + " + image}});
+  }
   copy_rows(from, to, "appearances", "vertex IN (SELECT vertex FROM images WHERE " + there + ") ORDER BY vertex",
             {{"map", id}, {"vocabulary", words}});
   copy_rows(from, to, "purged_vertices", "TRUE", {{"map", id}});

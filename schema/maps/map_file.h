@@ -1,10 +1,10 @@
 // A plain map as one file: a Mapweld database of its own, of the schema of this program, that holds the map and what it
 // rests on. `mapweld-server restore` makes a server of it; import_map puts it among others.
 //
-// In the file: the map with its labels, parameters and mask, its images (with their pixels, where they are kept), their
-// appearances word for word, its edges with all evidence in order of insertion, their verifiers, and the vocabulary
-// that the words are of. Not in it: the inverted index, which is written anew from the appearances, merges, and images
-// that were deleted, whose numbers are as those of purged ones.
+// In the file: the map with its labels, parameters, mask and camera, its images (with their poses, and their pixels,
+// where they are kept), their appearances word for word, its edges with all evidence in order of insertion, their
+// verifiers, and the vocabulary that the words are of. Not in it: the inverted index, which is written anew from the
+// appearances, merges, and images that were deleted, whose numbers are as those of purged ones.
 #pragma once
 
 #include <filesystem>

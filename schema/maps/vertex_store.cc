@@ -14,8 +14,8 @@ namespace {
 
 constexpr std::string_view kColumns =
     "SELECT id, map, vertex, name, sha256, media_type, width_px, height_px, features, captured_at_us, sequence, "
-    "sequence_index, camera, reason, similar_to, inliers, uploaded_at_us, deleted_at_us, static_features "
-    "FROM images ";
+    "sequence_index, camera, reason, similar_to, inliers, uploaded_at_us, deleted_at_us, static_features, "
+    "(SELECT pose FROM image_poses WHERE image = images.id) FROM images ";
 
 constexpr std::string_view kIdenticalWord = "identical";
 
@@ -44,6 +44,7 @@ ImageRow read_row(const sqlite::Statement& row) {
   image.uploaded_at = rows::timestamp(row, 16);
   image.deleted_at = rows::optional_timestamp(row, 17);
   image.static_features = static_cast<int>(row.integer(18));
+  image.provenance.pose = row.optional_text(19);
   return image;
 }
 
@@ -81,6 +82,7 @@ ImageId insert_image(WriteTransaction& db, MapId map, const NewImage& image, con
                 rows::microseconds(image.uploaded_at), outcome.static_features)
       .run();
   const ImageId id{db.connection().last_insert_rowid()};
+  if (from.pose) db.prepare("INSERT INTO image_poses (image, pose) VALUES (?, ?)").bind_all(id, *from.pose).run();
   if (!image.bytes.empty()) {
     db.prepare("INSERT INTO image_bytes (image, bytes) VALUES (?, ?)").bind_all(id, image.bytes).run();
   }

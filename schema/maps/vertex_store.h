@@ -1,4 +1,5 @@
-// Tables `images`, `image_bytes` and `appearances`: every image that a map has taken, as a vertex or ignored.
+// Tables `images`, `image_poses`, `image_bytes` and `appearances`: every image that a map has taken, as a vertex or
+// ignored.
 //
 // One row of `images` is one upload, so that a name is unique in its map whatever became of the image, and a repeated
 // upload finds its first outcome. An image's bytes and its appearances stand in tables of their own: they are big, and

@@ -3,6 +3,7 @@
 #include <openssl/sha.h>
 
 #include "schema/answer_store.h"
+#include "schema/maps/camera_store.h"
 #include "schema/maps/mask_store.h"
 #include "schema/maps/purge.h"
 #include "schema/maps/vertex_removal.h"
@@ -23,6 +24,7 @@ EveryTable::EveryTable(Store& store)
       SHA256(bytes.data(), bytes.size(), image.sha256.data());
       image.bytes = bytes;
       image.owner = 7;
+      if (v == 7) image.provenance.pose = R"({"frame":"lab"})";
       std::vector<NewEdge> edges;
       if (v > 0) edges.push_back({VertexId{v - 1}, {}, 30, random_verification(random, 15, 40, 40)});
       WriteTransaction db = store.write();
@@ -36,6 +38,7 @@ EveryTable::EveryTable(Store& store)
   MaskRow mask{.width_px = 8, .height_px = 6, .used_pixels = 40, .set_at = at(0)};
   SHA256(mask_bytes.data(), mask_bytes.size(), mask.sha256.data());
   set_mask(db, a, mask, mask_bytes);
+  set_map_camera(db, a, R"({"model":"pinhole"})");
   const MapId merged = insert_merged_map(db, new_map("ab", vocabulary), std::vector{a, b});
   const JobId job = insert_merge(db, {merged, "quickconnect", 7, "{}", "{}", at(0)});
   const std::uint64_t epoch = claim_merge(db, job, at(1)).value();

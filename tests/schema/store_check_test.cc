@@ -58,6 +58,7 @@ TEST_F(StoreCheckTest, EveryKindOfDamageIsFoundWhereItIs) {
       {"UPDATE image_bytes SET bytes = CAST(bytes || x'00' AS BLOB) WHERE image = 5", "image_bytes: map 1, 4"},
       {"UPDATE map_masks SET bytes = CAST(bytes || x'00' AS BLOB)", "map_masks: a"},
       {"UPDATE map_masks SET map = 3", "map_masks: ab"},
+      {"UPDATE map_cameras SET map = 3", "map_cameras: ab"},
       {"DELETE FROM appearances WHERE map = 1 AND vertex = 18", "appearances: map 1, vertex 18"},
       {"UPDATE appearances SET bytes = CAST(bytes || x'00' AS BLOB) WHERE map = 2 AND vertex = 3",
        "appearances: map 2, vertex 3"},

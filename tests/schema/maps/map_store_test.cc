@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "schema/maps/camera_store.h"
 #include "schema/maps/map_layout.h"
 #include "schema/merges/merge_store.h"
 #include "tests/support/temp_store.h"
@@ -47,6 +48,23 @@ class MapStoreTest : public testing::Test {
   VocabularyId vocabulary_ = test::add_vocabulary(store_);
   int next_name_ = 0;
 };
+
+TEST_F(MapStoreTest, ItsCameraIsWhatWasSetLastAndGoesWithIt) {
+  const MapId map = test::add_map(store_, "lab-a", vocabulary_);
+  WriteTransaction db = store_.write();
+  const auto revision = [&] { return find_map(db, map)->revision; };
+  EXPECT_EQ(find_map_camera(db, map), std::nullopt);
+  set_map_camera(db, map, std::nullopt);
+  EXPECT_EQ(revision(), 0U);
+  set_map_camera(db, map, "{}");
+  set_map_camera(db, map, R"({"model":"pinhole"})");
+  EXPECT_EQ(revision(), 2U);
+  set_map_camera(db, map, R"({"model":"pinhole"})");
+  EXPECT_EQ(revision(), 2U);
+  EXPECT_EQ(find_map_camera(db, map), R"({"model":"pinhole"})");
+  EXPECT_EQ(delete_map(db, map), DeleteOutcome::kDeleted);
+  EXPECT_EQ(find_map_camera(db, map), std::nullopt);
+}
 
 TEST_F(MapStoreTest, AMapComesBackAsItWasStored) {
   NewMap map = test::new_map("lab-a", vocabulary_);

@@ -27,7 +27,8 @@ TEST_F(VertexStoreTest, AnImageComesBackWithEverythingThatWasTold) {
   NewImage image = test::new_image("kitchen/0001 \xC3\xA9.jpg", appearances);
   image.sha256.fill(7);
   image.media_type = "image/png";
-  image.provenance = {test::at(100) + std::chrono::microseconds(123'456), "run-1", 812, R"({"model":"pinhole"})"};
+  image.provenance = {test::at(100) + std::chrono::microseconds(123'456), "run-1", 812, R"({"model":"pinhole"})",
+                      R"({"frame":"lab"})"};
   image.reason = Reason::kTooFewInliers;
   image.bytes = bytes;
   {
