@@ -7,21 +7,13 @@
 #include <variant>
 #include <vector>
 
+#include "client/contract/camera.h"
 #include "client/contract/codec.h"
 #include "client/contract/problem_document.h"
 
 namespace mapweld::contract {
 
 inline constexpr int kMaxBatchImages = 64;
-
-struct Camera {
-  std::string model;
-  std::vector<double> intrinsics;
-  static constexpr auto fields() {
-    return std::tuple(field("model", &Camera::model), field("intrinsics", &Camera::intrinsics));
-  }
-  friend bool operator==(const Camera&, const Camera&) = default;
-};
 
 // DELETE /v1/maps/{m}/vertices and .../{i}
 struct Deleted {
@@ -42,7 +34,8 @@ struct Vertex {
   std::optional<std::string> sequence;
   std::optional<std::int64_t> index;  // within the sequence
   std::string sha256;                 // of the stored bytes, hexadecimal
-  std::optional<Camera> camera;
+  std::optional<Camera> camera;       // its own; null: its map's, if that has one
+  std::optional<Pose> pose;
   std::string map;                 // where the vertex lives: a member of a merged map, a plain map itself
   std::int64_t member_vertex = 0;  // its number there
   static constexpr auto fields() {
@@ -50,8 +43,8 @@ struct Vertex {
     return std::tuple(field("vertex", &V::vertex), field("name", &V::name), field("width_px", &V::width_px),
                       field("height_px", &V::height_px), field("features", &V::features), field("degree", &V::degree),
                       field("captured_at", &V::captured_at), field("sequence", &V::sequence), field("index", &V::index),
-                      field("sha256", &V::sha256), field("camera", &V::camera), field("map", &V::map),
-                      field("member_vertex", &V::member_vertex));
+                      field("sha256", &V::sha256), field("camera", &V::camera), omitted_when_empty("pose", &V::pose),
+                      field("map", &V::map), field("member_vertex", &V::member_vertex));
   }
   friend bool operator==(const Vertex&, const Vertex&) = default;
 };
@@ -67,12 +60,15 @@ struct IgnoredImage {
   std::optional<std::string> sequence;
   std::optional<std::int64_t> index;
   std::string sha256;
+  std::optional<Camera> camera;  // its own
+  std::optional<Pose> pose;
   static constexpr auto fields() {
     using I = IgnoredImage;
     return std::tuple(field("name", &I::name), field("reason", &I::reason), field("similar_to", &I::similar_to),
                       field("inliers", &I::inliers), field("features", &I::features),
                       field("captured_at", &I::captured_at), field("sequence", &I::sequence), field("index", &I::index),
-                      field("sha256", &I::sha256));
+                      field("sha256", &I::sha256), omitted_when_empty("camera", &I::camera),
+                      omitted_when_empty("pose", &I::pose));
   }
   friend bool operator==(const IgnoredImage&, const IgnoredImage&) = default;
 };
@@ -146,11 +142,14 @@ struct Match {
   std::int64_t votes = 0;
   int inliers = 0;
   bool verified = false;
+  std::optional<Pose> pose;              // of the vertex
+  std::optional<RelativePose> relative;  // from the query to the vertex; absent: no cameras, or the images do not tell
   static constexpr auto fields() {
     using M = Match;
     return std::tuple(field("vertex", &M::vertex), field("map", &M::map), field("member_vertex", &M::member_vertex),
                       field("name", &M::name), field("votes", &M::votes), field("inliers", &M::inliers),
-                      field("verified", &M::verified));
+                      field("verified", &M::verified), omitted_when_empty("pose", &M::pose),
+                      omitted_when_empty("relative", &M::relative));
   }
   friend bool operator==(const Match&, const Match&) = default;
 };

@@ -47,6 +47,7 @@ void check(const ChangeMap& request) {
   if (request.name) check_slug(*request.name, "The map's name");
   check(request.parameters);
   check(request.labels);
+  if (request.camera && *request.camera != Camera{}) check(*request.camera);
 }
 
 }  // namespace mapweld::contract

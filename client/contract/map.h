@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "client/contract/camera.h"
 #include "client/contract/codec.h"
 #include "client/contract/edge_counts.h"
 
@@ -58,10 +59,11 @@ struct ChangeMap {
   std::optional<std::string> name;
   std::optional<std::map<std::string, std::string>> labels;  // all of them
   std::optional<MapParameters> parameters;                   // those that change
+  std::optional<Camera> camera;                              // without a model: takes it away
   static constexpr auto fields() {
     using C = ChangeMap;
     return std::tuple(omitted_when_empty("name", &C::name), omitted_when_empty("labels", &C::labels),
-                      omitted_when_empty("parameters", &C::parameters));
+                      omitted_when_empty("parameters", &C::parameters), omitted_when_empty("camera", &C::camera));
   }
   friend bool operator==(const ChangeMap&, const ChangeMap&) = default;
 };
@@ -105,6 +107,7 @@ struct Map {
   MapParameters parameters;
   std::map<std::string, std::string> labels;
   std::optional<MapMask> mask;        // absent: every pixel is used
+  std::optional<Camera> camera;       // of its images that name none; absent: nobody said, and in a merged map
   double static_share = 0;            // of the frame; what looks the same in every image, and is left out
   std::vector<MapMember> members;     // of a merged map, in the order of submission
   std::optional<std::int64_t> merge;  // the merge that owns a merged map; absent in a plain map
@@ -115,9 +118,10 @@ struct Map {
                       field("vertices", &Map::vertices), field("edges", &Map::edges),
                       field("edge_counts", &Map::edge_counts), field("ignored", &Map::ignored),
                       field("uuid", &Map::uuid), field("parameters", &Map::parameters), field("labels", &Map::labels),
-                      omitted_when_empty("mask", &Map::mask), field("static_share", &Map::static_share),
-                      field("members", &Map::members), omitted_when_empty("merge", &Map::merge),
-                      field("created_at", &Map::created_at), field("revision", &Map::revision));
+                      omitted_when_empty("mask", &Map::mask), omitted_when_empty("camera", &Map::camera),
+                      field("static_share", &Map::static_share), field("members", &Map::members),
+                      omitted_when_empty("merge", &Map::merge), field("created_at", &Map::created_at),
+                      field("revision", &Map::revision));
   }
   friend bool operator==(const Map&, const Map&) = default;
 };

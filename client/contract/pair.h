@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "client/contract/camera.h"
 #include "client/contract/codec.h"
 
 namespace mapweld::contract {
@@ -64,6 +65,8 @@ struct Pair {
   std::optional<double> confidence;   // of an accepted pair, 0 to 1; null: nobody has judged it
   std::optional<double> min_confidence;           // beside a confidence: what makes an edge of the map
   std::optional<std::vector<Evidence>> evidence;  // what the confidence is made of
+  // From u to v; of an edge, and with ?matches=true. Absent: no cameras, or the images do not tell.
+  std::optional<RelativePose> relative;
   // With ?matches=true only. Where there was no verdict, the verifier is asked for the answer; that changes no verdict.
   std::optional<std::string> kind;                        // of the geometry: "fundamental", "homography", "none"
   std::optional<double> log10_false_alarms;               // of the inliers, by chance; 300: no model at all
@@ -74,7 +77,8 @@ struct Pair {
                       field("votes", &P::votes), field("matches", &P::matches), field("inliers", &P::inliers),
                       field("verdict", &P::verdict), field("reason", &P::reason), field("confirmed", &P::confirmed),
                       field("confidence", &P::confidence), omitted_when_empty("min_confidence", &P::min_confidence),
-                      omitted_when_empty("evidence", &P::evidence), omitted_when_empty("kind", &P::kind),
+                      omitted_when_empty("evidence", &P::evidence), omitted_when_empty("relative", &P::relative),
+                      omitted_when_empty("kind", &P::kind),
                       omitted_when_empty("log10_false_alarms", &P::log10_false_alarms),
                       omitted_when_empty("inlier_matches", &P::inlier_matches));
   }

@@ -1,8 +1,10 @@
+#include <algorithm>
 #include <map>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "client/contract/camera.h"
 #include "client/contract/image.h"
 #include "client/contract/names.h"
 #include "server/api/api.h"
@@ -10,6 +12,7 @@
 #include "server/api/replies.h"
 #include "server/http/multipart.h"
 #include "server/http/problem.h"
+#include "server/services/cameras.h"
 #include "server/services/times.h"
 
 namespace mapweld::server {
@@ -19,6 +22,22 @@ using contract::ContractError;
 
 constexpr std::int64_t kMinWidthPx = 16;  // of pictures that are made smaller
 constexpr std::int64_t kMaxWidthPx = 4096;
+
+// A document of JSON in a query parameter.
+template <class Document>
+std::optional<Document> document_in_query(const Request& request, const char* name) {
+  const auto text = request.query.text(name);
+  if (!text) return std::nullopt;
+  Document document = contract::read_request<Document>(contract::parse_json(*text));
+  contract::check(document, name);
+  return document;
+}
+
+void add(Provenance& provenance, const std::optional<contract::Camera>& camera,
+         const std::optional<contract::Pose>& pose) {
+  if (camera) provenance.camera = camera_to_row(*camera);
+  if (pose) provenance.pose = pose_to_row(*pose);
+}
 
 Provenance provenance_in_query(const Request& request) {
   Provenance provenance;
@@ -34,6 +53,8 @@ Provenance provenance_in_query(const Request& request) {
                         "\"sequence\" must be 1 to 255 bytes of UTF-8 without control characters.");
   }
   provenance.index = request.query.integer("index", 0, INT64_MAX);
+  add(provenance, document_in_query<contract::Camera>(request, "camera"),
+      document_in_query<contract::Pose>(request, "pose"));
   return provenance;
 }
 
@@ -60,18 +81,53 @@ Reply upload(ImageService& images, const Request& request, Once& once) {
   return upload_reply(map, images.upload(map, image, request.query.text("map_uuid"), keep, request.caller.get()));
 }
 
+// What a batch says of its images beside their bytes: of each in order; of none when it says nothing.
+std::vector<contract::ImageMetadata> metadata_of(const Part& part) {
+  const contract::Json json = contract::parse_json(part.content);
+  if (!json.is_array()) throw ContractError("invalid_parameter", "\"metadata\" must be an array.");
+  std::vector<contract::ImageMetadata> all;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    all.push_back(json[i].is_null() ? contract::ImageMetadata{}
+                                    : contract::read_request<contract::ImageMetadata>(json[i]));
+    contract::check(all.back(), "metadata[" + std::to_string(i) + "]");
+  }
+  return all;
+}
+
+bool is_metadata(const Part& part) { return part.name == "metadata" && part.file_name.empty(); }
+
 // An image that was stored under the request's key before is not uploaded again.
 Reply upload_batch(ImageService& images, const Request& request, Once& once) {
   const std::string boundary = multipart_boundary(request.content_type);
-  const std::vector<Part> parts = parse_multipart(request.body, boundary, contract::kMaxBatchImages);
+  std::vector<Part> parts = parse_multipart(request.body, boundary, contract::kMaxBatchImages + 1);
+  std::optional<std::vector<contract::ImageMetadata>> metadata;
+  if (const auto part = std::ranges::find_if(parts, is_metadata); part != parts.end()) {
+    metadata = metadata_of(*part);
+    parts.erase(part);
+  }
   if (parts.empty()) throw ContractError("empty_body", "The batch has no image.");
   const std::string& map = request.parameter("map");
+  if (parts.size() > contract::kMaxBatchImages) {
+    throw ContractError("too_many_images",
+                        "A batch has at most " + std::to_string(contract::kMaxBatchImages) + " images.");
+  }
+  if (metadata && metadata->size() != parts.size()) {
+    throw ContractError("invalid_parameter",
+                        "\"metadata\" must have one entry an image: " + std::to_string(parts.size()) + ", not " +
+                            std::to_string(metadata->size()) + ".");
+  }
+  const auto camera = document_in_query<contract::Camera>(request, "camera");
   std::vector<ImageUpload> uploads;
   std::vector<std::int64_t> part_of;  // each upload
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const auto part = static_cast<std::int64_t>(i);
     if (once.kept(part) != nullptr) continue;
     ImageUpload image;
+    add(image.provenance, camera, {});
+    if (metadata) {
+      const contract::ImageMetadata& own = (*metadata)[i];
+      add(image.provenance, own.camera, own.pose);
+    }
     image.name = parts[i].file_name;
     image.bytes = {reinterpret_cast<const std::uint8_t*>(parts[i].content.data()), parts[i].content.size()};
     image.provenance.sequence = request.query.text("sequence");
@@ -121,6 +177,8 @@ Reply localize(LocalizeService& localization, const Request& request) {
   query.image = request.body_bytes();
   query.limit = static_cast<std::size_t>(request.query.integer("limit", 1, contract::kMaxPageItems).value_or(5));
   query.verified_only = request.query.boolean("verified").value_or(false);
+  query.by_camera_of_map = request.query.text("camera") == "map";
+  if (!query.by_camera_of_map) query.camera = document_in_query<contract::Camera>(request, "camera");
   return json_reply(200, localization.localize(request.parameter("map"), query));
 }
 
@@ -131,7 +189,7 @@ void add_image_routes(Router& router, const Services& services) {
               .pattern = "/v1/maps/{map}/images",
               .role = Role::kWrite,
               .body = BodyRule::kRequired,
-              .query = {"name", "captured_at", "sequence", "index", "map_uuid"},
+              .query = {"name", "captured_at", "sequence", "index", "camera", "pose", "map_uuid"},
               .handler = services.idempotency.once([&images = services.images](const Request& request, Once& once) {
                 return upload(images, request, once);
               })});
@@ -139,7 +197,7 @@ void add_image_routes(Router& router, const Services& services) {
               .pattern = "/v1/maps/{map}/images/batch",
               .role = Role::kWrite,
               .body = BodyRule::kRequired,
-              .query = {"sequence", "map_uuid"},
+              .query = {"sequence", "camera", "map_uuid"},
               .handler = services.idempotency.by_part([&images = services.images](const Request& request, Once& once) {
                 return upload_batch(images, request, once);
               })});
@@ -160,7 +218,7 @@ void add_image_routes(Router& router, const Services& services) {
               .pattern = "/v1/maps/{map}/localize",
               .role = Role::kRead,
               .body = BodyRule::kRequired,
-              .query = {"limit", "verified"},
+              .query = {"limit", "verified", "camera"},
               .handler = [&localization = services.localization](const Request& request) {
                 return localize(localization, request);
               }});

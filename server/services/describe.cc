@@ -1,6 +1,6 @@
 #include "server/services/describe.h"
 
-#include "client/contract/json.h"
+#include "server/services/cameras.h"
 #include "server/services/hashing.h"
 #include "server/services/times.h"
 
@@ -27,9 +27,8 @@ contract::Vertex describe_vertex(const VertexRow& row, const std::string& map, s
   vertex.sequence = image.provenance.sequence;
   vertex.index = image.provenance.index;
   vertex.sha256 = to_hex(image.sha256);
-  if (image.provenance.camera) {
-    vertex.camera = contract::parse_json(*image.provenance.camera).get<contract::Camera>();
-  }
+  vertex.camera = camera_of_row(image.provenance.camera);
+  vertex.pose = pose_of_row(image.provenance.pose);
   vertex.map = map;
   vertex.member_vertex = to_index(image.vertex.value_or(row.vertex));
   return vertex;
@@ -46,6 +45,8 @@ contract::IgnoredImage describe_ignored(const ImageRow& row) {
   image.sequence = row.provenance.sequence;
   image.index = row.provenance.index;
   image.sha256 = to_hex(row.sha256);
+  image.camera = camera_of_row(row.provenance.camera);
+  image.pose = pose_of_row(row.provenance.pose);
   return image;
 }
 

@@ -57,6 +57,13 @@ std::string escape_dot(std::string_view text) {
   return out;
 }
 
+// A document as an attribute of GraphML; nothing where there is none.
+template <class Document>
+std::string json_data(const char* key, const std::optional<Document>& document) {
+  if (!document) return "";
+  return std::string("<data key=\"") + key + "\">" + escape_xml(contract::dump(Json(*document))) + "</data>";
+}
+
 // Writes one format: `begin`, a call a vertex, a call an edge, `end`.
 class Format {
  public:
@@ -88,6 +95,8 @@ class GraphmlFormat final : public Format {
            "<key id=\"name\" for=\"node\" attr.name=\"name\" attr.type=\"string\"/>\n"
            "<key id=\"map\" for=\"node\" attr.name=\"map\" attr.type=\"string\"/>\n"
            "<key id=\"features\" for=\"node\" attr.name=\"features\" attr.type=\"int\"/>\n"
+           "<key id=\"camera\" for=\"node\" attr.name=\"camera\" attr.type=\"string\"/>\n"
+           "<key id=\"pose\" for=\"node\" attr.name=\"pose\" attr.type=\"string\"/>\n"
            "<key id=\"kind\" for=\"edge\" attr.name=\"kind\" attr.type=\"string\"/>\n"
            "<key id=\"votes\" for=\"edge\" attr.name=\"votes\" attr.type=\"int\"/>\n"
            "<key id=\"weight\" for=\"edge\" attr.name=\"weight\" attr.type=\"int\"/>\n"
@@ -100,7 +109,8 @@ class GraphmlFormat final : public Format {
   std::string vertex(const contract::Vertex& vertex, bool) override {
     return "<node id=\"v" + std::to_string(vertex.vertex) + "\"><data key=\"name\">" + escape_xml(vertex.name) +
            "</data><data key=\"map\">" + escape_xml(vertex.map) + "</data><data key=\"features\">" +
-           std::to_string(vertex.features) + "</data></node>\n";
+           std::to_string(vertex.features) + "</data>" + json_data("camera", vertex.camera) +
+           json_data("pose", vertex.pose) + "</node>\n";
   }
   std::string edge(const contract::Edge& edge, bool) override {
     return "<edge source=\"v" + std::to_string(edge.u) + "\" target=\"v" + std::to_string(edge.v) +

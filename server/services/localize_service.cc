@@ -12,6 +12,7 @@
 #include "schema/maps/mask_store.h"
 #include "schema/maps/vertex_store.h"
 #include "server/maps/map_settings.h"
+#include "server/services/cameras.h"
 #include "server/services/image_analyzer.h"
 #include "server/services/map_lookup.h"
 #include "server/services/mask_service.h"
@@ -37,9 +38,14 @@ contract::Localization LocalizeService::localize(const std::string& map_name, co
   if (query.image.empty()) throw ContractError("empty_body", "The image has no bytes.");
   MapRow map;
   std::optional<std::vector<std::uint8_t>> mask_png;
+  std::optional<contract::Camera> camera = query.camera;
   {
     const ReadTransaction db = store_.read();
     map = require_map(db, map_name);
+    if (query.by_camera_of_map && !(camera = camera_of_map(db, map.id))) {
+      throw ContractError("invalid_parameter",
+                          "The map \"" + map_name + "\" has no camera of its own; name the query's.");
+    }
     mask_png = load_mask_bytes(db, map.id);
   }
   const cv::Mat mask = mask_in(mask_png, decoder_);
@@ -64,7 +70,8 @@ contract::Localization LocalizeService::localize(const std::string& map_name, co
     const auto verifier = make_verifier({.min_inliers = parameters.min_inliers});
     const TimedVerifier timed(*verifier);
     const Stopwatch search;
-    const Localization found = mapweld::localize(with_known_static(*image.vector, *view), *view, timed, parameters);
+    const AppearanceVector seen = with_known_static(*image.vector, *view);
+    const Localization found = mapweld::localize(seen, *view, timed, parameters);
     metrics_.stage(Stage::kVerify).record(timed.elapsed_s());
     metrics_.stage(Stage::kVote).record(search.elapsed_s() - timed.elapsed_s());
 
@@ -83,7 +90,12 @@ contract::Localization LocalizeService::localize(const std::string& map_name, co
                                 .name = row->name,
                                 .votes = match.votes,
                                 .inliers = match.verification.inliers,
-                                .verified = match.verified});
+                                .verified = match.verified,
+                                .pose = pose_of_row(row->provenance.pose),
+                                .relative = {}});
+      if (!camera || !match.verified) continue;
+      answer.matches.back().relative = relative_between(seen, camera, *view->appearances(match.vertex),
+                                                        camera_of_image(db, *row), match.verification);
     }
   } catch (const std::out_of_range&) {  // deleted meanwhile, or a member of it
     throw ContractError("no_such_map", "The map \"" + map_name + "\" was deleted.");

@@ -20,6 +20,9 @@ struct LocalizeQuery {
   std::span<const std::uint8_t> image;
   std::size_t limit = 5;       // matches in the answer
   bool verified_only = false;  // leave out candidates that were not verified or did not pass
+  // Which camera took the image: none, nobody knows; or the map's own.
+  std::optional<contract::Camera> camera = {};
+  bool by_camera_of_map = false;
 };
 
 // Thread-safe; changes nothing.
@@ -36,7 +39,8 @@ class LocalizeService {
         metrics_(metrics) {}
 
   // In a plain or merged map; in the latter also while its merge runs. A plain map's mask is laid over the query.
-  // Throws ContractError no_such_map, empty_body; ImageError; StoreError.
+  // With a camera, verified matches tell how it stands to theirs.
+  // Throws ContractError no_such_map, empty_body, invalid_parameter (the map has no camera); ImageError; StoreError.
   contract::Localization localize(const std::string& map, const LocalizeQuery& query);
 
  private:

@@ -6,11 +6,13 @@
 #include "client/contract/problem.h"
 #include "core/mapping/static_content.h"
 #include "schema/maps/absent_vertices.h"
+#include "schema/maps/camera_store.h"
 #include "schema/maps/edge_store.h"
 #include "schema/maps/mask_store.h"
 #include "schema/maps/vertex_store.h"
 #include "schema/merges/merge_store.h"
 #include "server/maps/map_settings.h"
+#include "server/services/cameras.h"
 #include "server/services/describe.h"
 #include "server/services/hashing.h"
 #include "server/services/map_lookup.h"
@@ -130,6 +132,13 @@ contract::Map MapService::change(const std::string& name, const contract::Change
   if (new_name != map.name || labels != map.labels || parameters != map.parameters) {
     change_map(db, map.id, new_name, labels, parameters);
   }
+  if (request.camera) {
+    if (map.kind == MapKind::kMerged) {
+      throw ContractError("map_is_merged", "\"" + name + "\" is a merged map; its members have cameras.");
+    }
+    const bool taken_away = *request.camera == contract::Camera{};
+    set_map_camera(db, map.id, taken_away ? std::nullopt : std::optional(camera_to_row(*request.camera)));
+  }
   contract::Map now = describe(db, require_map(db, new_name));
   db.commit();
   return now;
@@ -202,6 +211,7 @@ contract::Map MapService::describe(const Reader& db, const MapRow& map) const {
                 .used_share = static_cast<double>(mask->used_pixels) / pixels,
                 .sha256 = to_hex(mask->sha256)};
   }
+  out.camera = camera_of_map(db, map.id);
   out.static_share = static_share_of(db, map, layout);
   if (map.kind == MapKind::kMerged) {
     for (const MemberRow& member : list_members(db, map.id)) out.members.push_back({member.name, member.watermark});

@@ -17,6 +17,7 @@
 #include "schema/merges/merge_store.h"
 #include "server/jobs/merge_job_rows.h"
 #include "server/maps/map_settings.h"
+#include "server/services/cameras.h"
 #include "server/services/map_lookup.h"
 
 namespace mapweld::server {
@@ -159,6 +160,13 @@ contract::Pair explain(const Reader& db, const MapRow& asked, std::uint32_t a, s
   };
   const AppearanceVector image_u = appearances(u);
   const AppearanceVector image_v = appearances(v);
+  const auto add_relative = [&](contract::Pair& to, const Verification& verification) {
+    const auto camera = [&](VertexId vertex) {
+      const LeafVertex leaf = layout.leaf(vertex);
+      return camera_of_image(db, find_vertex(db, leaf.map, leaf.vertex).value());
+    };
+    to.relative = relative_between(image_u, camera(u), image_v, camera(v), verification);
+  };
   contract::Pair pair;
   pair.u = to_index(u);
   pair.v = to_index(v);
@@ -168,6 +176,7 @@ contract::Pair explain(const Reader& db, const MapRow& asked, std::uint32_t a, s
   if (const std::optional<EdgeRow> edge = find_own_edge(db, at.map.id, at.u, at.v)) {
     const EdgeEvidence evidence = load_edge_evidence(db, edge->id);
     add_edge(pair, *edge, evidence, rule.min_confidence);
+    add_relative(pair, evidence.verification);
     if (with_matches) add_matches(pair, image_u, image_v, evidence.verification);
     return pair;
   }
@@ -187,7 +196,10 @@ contract::Pair explain(const Reader& db, const MapRow& asked, std::uint32_t a, s
     pair.inliers = now.inliers;
     if (!now.accepted) pair.reason = to_string(now.reason);
   }
-  if (with_matches) add_matches(pair, image_u, image_v, now);
+  if (with_matches) {
+    add_matches(pair, image_u, image_v, now);
+    add_relative(pair, now);
+  }
   return pair;
 }
 

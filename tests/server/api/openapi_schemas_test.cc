@@ -65,6 +65,9 @@ void expect_answer(const Json& schema, const std::string& name) {
 TEST(OpenApi, SchemasHaveTheFieldsOfTheDocuments) {
   const Json document = Json::parse(server::openapi_document());
   const Json& schemas = document["components"]["schemas"];
+  expect_answer<Camera>(schemas["Camera"], "Camera");
+  expect_answer<Pose>(schemas["Pose"], "Pose");
+  expect_answer<RelativePose>(schemas["RelativePose"], "RelativePose");
   expect_answer<EdgeCounts>(schemas["EdgeCounts"], "EdgeCounts");
   expect_answer<Edge>(schemas["Edge"], "Edge");
   expect_answer<Quality>(schemas["Quality"], "Quality");
