@@ -106,7 +106,10 @@ void Client::clear_mask(const std::string& map) { connection_.remove(path_of(kRo
 
 Answer<contract::Upload> Client::upload_image(const std::string& map, const ImageFile& image,
                                               const std::string& idempotency_key) {
-  const std::string path = path_of(kRoot, {"maps", map, "images"}, {{"name", image.name}});
+  Query query{{"name", image.name}};
+  if (image.metadata.camera) query.emplace_back("camera", contract::dump(contract::Json(*image.metadata.camera)));
+  if (image.metadata.pose) query.emplace_back("pose", contract::dump(contract::Json(*image.metadata.pose)));
+  const std::string path = path_of(kRoot, {"maps", map, "images"}, query);
   return answer<contract::Upload>(
       connection_.post(path, image.bytes, std::string(media_type(image.bytes)), idempotency_key));
 }
@@ -114,9 +117,17 @@ Answer<contract::Upload> Client::upload_image(const std::string& map, const Imag
 Answer<contract::Batch> Client::upload_batch(const std::string& map, const std::vector<ImageFile>& images,
                                              const std::string& idempotency_key) {
   std::vector<FormPart> parts;
-  parts.reserve(images.size());
-  for (const ImageFile& image : images)
+  parts.reserve(images.size() + 1);
+  contract::Json metadata = contract::Json::array();
+  bool has_metadata = false;
+  for (const ImageFile& image : images) {
+    metadata.push_back(image.metadata);
+    has_metadata = has_metadata || image.metadata != contract::ImageMetadata{};
+  }
+  if (has_metadata) parts.push_back({"", kJson, contract::dump(metadata), "metadata"});
+  for (const ImageFile& image : images) {
     parts.push_back({image.name, std::string(media_type(image.bytes)), image.bytes});
+  }
   auto batch = answer<contract::Batch>(
       connection_.post_form(path_of(kRoot, {"maps", map, "images", "batch"}), parts, idempotency_key));
   if (batch->items.size() != images.size()) {
@@ -163,6 +174,8 @@ Answer<contract::Localization> Client::localize(const std::string& map, const st
   Query query;
   if (options.limit) query.emplace_back("limit", std::to_string(*options.limit));
   if (options.verified) query.emplace_back("verified", "true");
+  if (options.camera_of_map) query.emplace_back("camera", "map");
+  if (options.camera) query.emplace_back("camera", contract::dump(contract::Json(*options.camera)));
   return answer<contract::Localization>(connection_.post(path_of(kRoot, {"maps", map, "localize"}, query), image_bytes,
                                                          std::string(media_type(image_bytes))));
 }

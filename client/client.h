@@ -48,11 +48,15 @@ struct Answer {
 struct ImageFile {
   std::string name;
   std::string bytes;  // JPEG or PNG
+  contract::ImageMetadata metadata = {};
 };
 
 struct LocalizeOptions {
   std::optional<int> limit;  // most matches in the answer; absent: the server's default, 5
   bool verified = false;     // only verified matches
+  // Which camera took the image: then matches tell how it stands to theirs. Or that of the map.
+  std::optional<contract::Camera> camera = {};
+  bool camera_of_map = false;
 };
 
 // Not thread-safe: it is one connection. A second thread makes a second client.

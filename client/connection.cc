@@ -251,7 +251,7 @@ std::string Connection::post_form(const std::string& path, const std::vector<For
                                   const std::string& idempotency_key) {
   httplib::MultipartFormDataItems items;
   items.reserve(parts.size());
-  for (const FormPart& part : parts) items.push_back({"image", part.bytes, part.file_name, part.content_type});
+  for (const FormPart& part : parts) items.push_back({part.name, part.bytes, part.file_name, part.content_type});
   const NoSigpipe guard;
   httplib::Result result = http_->client.Post(prefix_ + path, headers_of(idempotency_key), items);
   return body_of(result, base_url_);

@@ -24,6 +24,7 @@ struct FormPart {
   std::string file_name;  // without " \ %, which servers read in more than one way there
   std::string content_type;
   std::string bytes;
+  std::string name = "image";  // of the field
 };
 
 // Query parameters, in the order in which they are written.

@@ -13,6 +13,7 @@
 
 #include "client/contract/names.h"
 #include "client/image_folder.h"
+#include "client/pose_file.h"
 
 namespace mapweld::client {
 namespace {
@@ -80,7 +81,8 @@ class Uploader {
         flush();
         settle({name, Outcome::kSkipped, {}});
       } else {
-        add({name, std::move(file->bytes)});
+        const contract::Pose* pose = find_pose(options_.poses, name);
+        add({name, std::move(file->bytes), {options_.camera, pose ? std::optional(*pose) : std::nullopt}});
       }
     }
     flush();

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -15,10 +17,12 @@ namespace mapweld::client {
 struct UploadOptions {
   std::string map;
   std::filesystem::path directory;
-  int threads = 2;                      // that read and hash files ahead; never changes the map
-  int batch_images = 32;                // images a request, 1 .. 64
-  std::int64_t batch_bytes = 24 << 20;  // a request ends before it grows beyond this, with one image at least
-  double give_up_after_s = 30;          // of asking again while the server cannot be reached or is too busy
+  int threads = 2;                              // that read and hash files ahead; never changes the map
+  int batch_images = 32;                        // images a request, 1 .. 64
+  std::int64_t batch_bytes = 24 << 20;          // a request ends before it grows beyond this, with one image at least
+  double give_up_after_s = 30;                  // of asking again while the server cannot be reached or is too busy
+  std::optional<contract::Camera> camera = {};  // of all the images
+  std::map<std::string, contract::Pose> poses = {};  // by name: find_pose of client/pose_file.h
 };
 
 // What became of a file. `item` is the server's word on it, except for files that it never got.

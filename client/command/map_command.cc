@@ -3,10 +3,12 @@
 #include <map>
 #include <memory>
 
+#include "client/command/camera_option.h"
 #include "client/command/context.h"
 #include "client/command/exit_code.h"
 #include "client/command/output_file.h"
 #include "client/command/terminal.h"
+#include "client/pose_file.h"
 
 namespace mapweld::command {
 namespace {
@@ -17,6 +19,7 @@ struct MapOptions {
   std::vector<std::string> labels;  // KEY=TEXT
   std::string name;
   std::string idempotency_key;
+  std::string camera;
 };
 
 struct CopyOptions {
@@ -57,6 +60,10 @@ std::string describe(const contract::Map& map) {
     lines.emplace_back("mask", std::to_string(map.mask->width_px) + "x" + std::to_string(map.mask->height_px) + ", " +
                                    percent_text(map.mask->used_share) + " of an image used");
   }
+  if (map.camera) {
+    const contract::Json focal = {map.camera->fx_px, map.camera->fy_px, map.camera->cx_px, map.camera->cy_px};
+    lines.emplace_back("camera", map.camera->model + " " + focal.dump());
+  }
   if (map.static_share > 0) {
     lines.emplace_back("static", percent_text(map.static_share) + " of an image, the same in all of them, is left out");
   }
@@ -96,6 +103,11 @@ int change(const Context& context, const MapOptions& options) {
   if (!options.create.name.empty()) change.name = options.create.name;
   if (options.parameters != contract::MapParameters{}) change.parameters = options.parameters;
   if (!options.labels.empty()) change.labels = labels_of(options.labels);
+  if (options.camera == "none") {
+    change.camera.emplace();
+  } else if (!options.camera.empty()) {
+    change.camera = read_option([&] { return client::read_camera(options.camera); });
+  }
   if (change == contract::ChangeMap{}) throw UsageError("Say what is to change.");
   const auto map = context.connect().change_map(options.name, change);
   if (context.json) {
@@ -207,6 +219,7 @@ void add_map_command(CLI::App& app, Context& context) {
   other->add_option("--verify-top", options->parameters.verify_top, "Best candidates that are verified");
   other->add_option("--store-images", options->parameters.store_images, "Whether pixels are kept")
       ->check(CLI::IsMember({"full", "none"}));
+  other->add_option("--camera", options->camera, "Of images that name none, as for upload; none takes it away");
   other->callback([=, &context] { context.action = [=, &context] { return change(context, *options); }; });
 
   const auto copy = std::make_shared<CopyOptions>();

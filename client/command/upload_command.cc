@@ -6,10 +6,12 @@
 #include <memory>
 #include <thread>
 
+#include "client/command/camera_option.h"
 #include "client/command/context.h"
 #include "client/command/exit_code.h"
 #include "client/command/terminal.h"
 #include "client/image_folder.h"
+#include "client/pose_file.h"
 #include "client/upload.h"
 
 namespace mapweld::command {
@@ -81,7 +83,20 @@ std::string summary(const client::UploadOptions& options, const UploadReport& re
   return text + ").\n";
 }
 
-int upload(const Context& context, const client::UploadOptions& options) {
+struct UploadCommandOptions : client::UploadOptions {
+  std::string camera_text;
+  std::string poses_file;
+  std::string frame = "world";
+};
+
+int upload(const Context& context, const UploadCommandOptions& given) {
+  client::UploadOptions options = given;
+  if (!given.camera_text.empty()) {
+    options.camera = read_option([&] { return client::read_camera(given.camera_text); });
+  }
+  if (!given.poses_file.empty()) {
+    options.poses = read_option([&] { return client::read_poses(given.poses_file, given.frame); });
+  }
   if (!std::filesystem::is_directory(options.directory)) {
     throw UsageError(options.directory.string() + " is not a folder.");
   }
@@ -129,7 +144,7 @@ int upload(const Context& context, const client::UploadOptions& options) {
 }  // namespace
 
 void add_upload_command(CLI::App& app, Context& context) {
-  const auto options = std::make_shared<client::UploadOptions>();
+  const auto options = std::make_shared<UploadCommandOptions>();
   options->threads = static_cast<int>(std::clamp(std::thread::hardware_concurrency(), 1U, 8U));
   CLI::App* command = app.add_subcommand(
       "upload",
@@ -143,6 +158,11 @@ void add_upload_command(CLI::App& app, Context& context) {
   command->add_option("--batch", options->batch_images, "Images a request")
       ->check(CLI::Range(1, contract::kMaxBatchImages))
       ->capture_default_str();
+  command->add_option("--camera", options->camera_text,
+                      "The camera: fx,fy,cx,cy in pixels, perhaps with k1,k2,p1,p2 and k3, or a file with its JSON");
+  command->add_option("--poses", options->poses_file,
+                      "Where the images were taken: lines \"name tx ty tz qx qy qz qw\", camera to frame");
+  command->add_option("--frame", options->frame, "What the poses' coordinates are of")->capture_default_str();
   command->callback([=, &context] { context.action = [=, &context] { return upload(context, *options); }; });
 }
 

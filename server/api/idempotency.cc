@@ -73,7 +73,7 @@ Sha256 hash_of(const Request& request) {
     hash.add_file(*request.body_file);
   } else if (request.content_type.starts_with("multipart/")) {
     for (const Part& part :
-         parse_multipart(request.body, multipart_boundary(request.content_type), contract::kMaxBatchImages)) {
+         parse_multipart(request.body, multipart_boundary(request.content_type), contract::kMaxBatchImages + 1)) {
       hash.add(part.file_name);
       hash.add(part.content);
     }
