@@ -44,9 +44,10 @@ class Filter {
 
 void allow_little() {
   Filter filter;
-  for (const int call : {SCMP_SYS(read), SCMP_SYS(write), SCMP_SYS(munmap), SCMP_SYS(mremap), SCMP_SYS(brk),
-                         SCMP_SYS(madvise), SCMP_SYS(futex), SCMP_SYS(exit), SCMP_SYS(exit_group),
-                         SCMP_SYS(rt_sigreturn), SCMP_SYS(clock_gettime), SCMP_SYS(sched_yield), SCMP_SYS(getrandom)}) {
+  for (const int call :
+       {SCMP_SYS(read), SCMP_SYS(write), SCMP_SYS(munmap), SCMP_SYS(mremap), SCMP_SYS(brk), SCMP_SYS(madvise),
+        SCMP_SYS(futex), SCMP_SYS(exit), SCMP_SYS(exit_group), SCMP_SYS(rt_sigreturn), SCMP_SYS(clock_gettime),
+        SCMP_SYS(sched_yield), SCMP_SYS(getrandom), SCMP_SYS(getpid)}) {
     filter.allow(call);
   }
   filter.allow_without_execution(SCMP_SYS(mmap));
