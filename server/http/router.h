@@ -8,6 +8,7 @@
 
 #include "server/access/role.h"
 #include "server/http/message.h"
+#include "server/http/route_description.h"
 
 namespace mapweld::server {
 
@@ -27,6 +28,7 @@ struct Route {
   bool json_body = false;               // the body is a JSON document: the smaller limit holds
   std::vector<std::string> query = {};  // the query parameters that it knows
   bool at_once = false;  // the loop's thread calls the handler, which waits for nothing: it needs no other
+  RouteDescription says = {};
   Handler handler = {};
 };
 
