@@ -2,6 +2,8 @@
 #pragma once
 
 #include <functional>
+#include <memory>
+#include <string>
 
 #include "server/api/idempotency.h"
 #include "server/copies/backup_service.h"
@@ -44,7 +46,9 @@ struct Services {
 Router make_router(const Services& services);
 
 // Its parts.
-void add_system_routes(Router& router, const Services& services);
+// `description`: the text of openapi.json, filled in before anybody asks.
+void add_system_routes(Router& router, const Services& services, std::shared_ptr<const std::string> description);
+void add_docs_routes(Router& router);
 void add_transfer_routes(Router& router, const Services& services);
 void add_vocabulary_routes(Router& router, const Services& services);
 void add_map_routes(Router& router, const Services& services);

@@ -2,6 +2,7 @@
 
 #include "server/api/api.h"
 #include "server/api/cursors.h"
+#include "server/api/description/contents.h"
 #include "server/api/replies.h"
 #include "server/http/files/file_reply.h"
 
@@ -20,6 +21,9 @@ void add_backup_routes(Router& router, const Services& services) {
               .pattern = "/v1/backups",
               .role = Role::kAdmin,
               .body = BodyRule::kOptional,
+              .says = {.operation = "beginBackup",
+                       .answers = {answers<contract::Backup>(202, {"Location"})},
+                       .codes = {"wrong_state"}},
               .handler = services.idempotency.once([&backups](const Request&, Once&) {
                 const contract::Backup backup = backups.begin();
                 Reply reply = json_reply(202, backup);
@@ -31,6 +35,7 @@ void add_backup_routes(Router& router, const Services& services) {
               .pattern = "/v1/backups",
               .role = Role::kAdmin,
               .query = list_query(),
+              .says = {.operation = "listBackups", .answers = {answers_page<contract::Backup>()}},
               .handler = [&backups, cursors = Cursors(services.store)](const Request& request) {
                 return cursors.reply(request,
                                      [&](const PageRequest& page) { return backups.list(page.limit, page.cursor); });
@@ -38,12 +43,16 @@ void add_backup_routes(Router& router, const Services& services) {
   router.add({.method = "GET",
               .pattern = "/v1/backups/{backup}",
               .role = Role::kAdmin,
+              .says = {.operation = "getBackup", .answers = {answers<contract::Backup>(200)}},
               .handler = [&backups](const Request& request) {
                 return json_reply(200, backups.get(backup_in_path(request)));
               }});
   router.add({.method = "GET",
               .pattern = "/v1/backups/{backup}/content",
               .role = Role::kAdmin,
+              .says = {.operation = "getBackupFile",
+                       .answers = answers_file("application/vnd.sqlite3"),
+                       .codes = {"wrong_state"}},
               .handler = [&backups](const Request& request) {
                 const std::int64_t id = backup_in_path(request);
                 const std::string name = "mapweld-backup-" + std::to_string(id) + ".db";
@@ -56,6 +65,7 @@ void add_backup_routes(Router& router, const Services& services) {
               .pattern = "/v1/backups/{backup}",
               .role = Role::kAdmin,
               .body = BodyRule::kOptional,
+              .says = {.operation = "deleteBackup", .answers = {answers_nothing()}},
               .handler = [&backups](const Request& request) {
                 backups.remove(backup_in_path(request));
                 return no_content();

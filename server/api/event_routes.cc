@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "server/api/api.h"
+#include "server/api/description/contents.h"
 #include "server/api/replies.h"
 #include "server/events/merge_events.h"
 
@@ -31,13 +32,17 @@ Reply stream_of(std::shared_ptr<EventStream> events) {
 
 void add_event_routes(Router& router, const Services& services) {
   EventHub& events = services.events;
-  router.add(
-      {.method = "GET", .pattern = "/v1/events", .role = Role::kRead, .handler = [&events](const Request& request) {
-         return stream_of(events.listen(filter_of(request), {}, request.last_event_id));
-       }});
+  router.add({.method = "GET",
+              .pattern = "/v1/events",
+              .role = Role::kRead,
+              .says = {.operation = "hearAll", .answers = {{200, {{"text/event-stream"}}}}},
+              .handler = [&events](const Request& request) {
+                return stream_of(events.listen(filter_of(request), {}, request.last_event_id));
+              }});
   router.add({.method = "GET",
               .pattern = "/v1/merges/{merge}/events",
               .role = Role::kRead,
+              .says = {.operation = "hearMerge", .answers = {{200, {{"text/event-stream"}}}}},
               .handler = [&events, &merges = services.merges](const Request& request) {
                 const auto id = number_in_path<std::int64_t>(request, "merge", "no_such_merge");
                 merges.require_use(id, request.caller.get());

@@ -9,6 +9,7 @@
 #include "client/contract/names.h"
 #include "server/api/api.h"
 #include "server/api/cursors.h"
+#include "server/api/description/contents.h"
 #include "server/api/replies.h"
 #include "server/http/multipart.h"
 #include "server/http/problem.h"
@@ -190,26 +191,40 @@ void add_image_routes(Router& router, const Services& services) {
               .role = Role::kWrite,
               .body = BodyRule::kRequired,
               .query = {"name", "captured_at", "sequence", "index", "camera", "pose", "map_uuid"},
+              .says = {.operation = "uploadImage",
+                       .takes = pictures(),
+                       .answers = {answers<contract::Upload>(201, {"Location"}), answers<contract::Upload>(200)},
+                       .codes = {"invalid_name", "name_taken", "wrong_map", "map_is_merged", "image_too_large",
+                                 "unsupported_image", "undecodable_image", "quota_exceeded"}},
               .handler = services.idempotency.once([&images = services.images](const Request& request, Once& once) {
                 return upload(images, request, once);
               })});
-  router.add({.method = "POST",
-              .pattern = "/v1/maps/{map}/images/batch",
-              .role = Role::kWrite,
-              .body = BodyRule::kRequired,
-              .query = {"sequence", "camera", "map_uuid"},
-              .handler = services.idempotency.by_part([&images = services.images](const Request& request, Once& once) {
-                return upload_batch(images, request, once);
-              })});
+  router.add(
+      {.method = "POST",
+       .pattern = "/v1/maps/{map}/images/batch",
+       .role = Role::kWrite,
+       .body = BodyRule::kRequired,
+       .query = {"sequence", "camera", "map_uuid"},
+       .says = {.operation = "uploadImages",
+                .takes = {{"multipart/form-data"}},
+                .answers = {answers<contract::Batch>(200)},
+                .codes = {"malformed_json", "malformed_multipart", "wrong_map", "map_is_merged", "too_many_images"}},
+       .handler = services.idempotency.by_part([&images = services.images](const Request& request, Once& once) {
+         return upload_batch(images, request, once);
+       })});
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/vertices/{vertex}/image",
               .role = Role::kRead,
               .query = {"width"},
+              .says = {.operation = "getImage",
+                       .answers = {{200, pictures()}, answers_not_modified()},
+                       .codes = {"no_such_image"}},
               .handler = [services](const Request& request) { return read_back(services, request); }});
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/ignored",
               .role = Role::kRead,
               .query = list_query(),
+              .says = {.operation = "listIgnored", .answers = {answers_page<contract::IgnoredImage>()}},
               .handler = [&maps = services.maps, cursors = Cursors(services.store)](const Request& request) {
                 return cursors.reply(
                     request, [&](const PageRequest& page) { return maps.ignored(request.parameter("map"), page); });
@@ -219,6 +234,10 @@ void add_image_routes(Router& router, const Services& services) {
               .role = Role::kRead,
               .body = BodyRule::kRequired,
               .query = {"limit", "verified", "camera"},
+              .says = {.operation = "localize",
+                       .takes = pictures(),
+                       .answers = {answers<contract::Localization>(200)},
+                       .codes = {"image_too_large", "unsupported_image", "undecodable_image"}},
               .handler = [&localization = services.localization](const Request& request) {
                 return localize(localization, request);
               }});

@@ -1,6 +1,7 @@
 #include "client/contract/map.h"
 #include "server/api/api.h"
 #include "server/api/cursors.h"
+#include "server/api/description/contents.h"
 #include "server/api/replies.h"
 #include "server/api/revision_tags.h"
 #include "server/events/map_events.h"
@@ -50,6 +51,10 @@ void add_map_routes(Router& router, const Services& services) {
               .role = Role::kWrite,
               .body = BodyRule::kRequired,
               .json_body = true,
+              .says = {.operation = "createMap",
+                       .takes = {json_of<contract::CreateMap>()},
+                       .answers = {answers<contract::Map>(201, {"Location"})},
+                       .codes = {"invalid_name", "no_such_vocabulary", "name_taken", "not_ready"}},
               .handler = services.idempotency.once([&maps, &events](const Request& request, Once& once) {
                 const auto map =
                     maps.create(contract::read_request<contract::CreateMap>(contract::parse_json(request.body)),
@@ -64,6 +69,7 @@ void add_map_routes(Router& router, const Services& services) {
               .pattern = "/v1/maps",
               .role = Role::kRead,
               .query = list_query(),
+              .says = {.operation = "listMaps", .answers = {answers_page<contract::Map>()}},
               .handler = [&maps, cursors](const Request& request) {
                 return cursors.reply(request,
                                      [&](const PageRequest& page) { return maps.list(page, request.caller.get()); });
@@ -71,6 +77,7 @@ void add_map_routes(Router& router, const Services& services) {
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}",
               .role = Role::kRead,
+              .says = {.operation = "getMap", .answers = {answers<contract::Map>(200), answers_not_modified()}},
               .handler = tagged(
                   [&maps](const Request& request) { return json_reply(200, maps.get(request.parameter("map"))); })});
   router.add({.method = "PATCH",
@@ -78,6 +85,10 @@ void add_map_routes(Router& router, const Services& services) {
               .role = Role::kWrite,
               .body = BodyRule::kRequired,
               .json_body = true,
+              .says = {.operation = "changeMap",
+                       .takes = {json_of<contract::ChangeMap>()},
+                       .answers = {answers<contract::Map>(200)},
+                       .codes = {"invalid_name", "name_taken", "immutable_parameter"}},
               .handler = [&maps, &events](const Request& request) {
                 const auto map =
                     maps.change(request.parameter("map"),
@@ -90,23 +101,27 @@ void add_map_routes(Router& router, const Services& services) {
               .pattern = "/v1/maps/{map}",
               .role = Role::kWrite,
               .body = BodyRule::kOptional,
+              .says = {.operation = "deleteMap", .answers = {answers_nothing()}, .codes = {"map_in_use"}},
               .handler = [&maps, &events](const Request& request) {
                 maps.remove(request.parameter("map"));
                 tell_map(events, request.parameter("map"), "deleted");
                 return no_content();
               }});
-  router.add({.method = "GET",
-              .pattern = "/v1/maps/{map}/vertices",
-              .role = Role::kRead,
-              .query = list_query({"name"}),
-              .handler = tagged([&maps, cursors](const Request& request) {
-                return cursors.reply(request, [&](const PageRequest& page) {
-                  return maps.vertices(request.parameter("map"), request.query.text("name"), page);
-                });
-              })});
+  router.add(
+      {.method = "GET",
+       .pattern = "/v1/maps/{map}/vertices",
+       .role = Role::kRead,
+       .query = list_query({"name"}),
+       .says = {.operation = "listVertices", .answers = {answers_page<contract::Vertex>(), answers_not_modified()}},
+       .handler = tagged([&maps, cursors](const Request& request) {
+         return cursors.reply(request, [&](const PageRequest& page) {
+           return maps.vertices(request.parameter("map"), request.query.text("name"), page);
+         });
+       })});
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/vertices/{vertex}",
               .role = Role::kRead,
+              .says = {.operation = "getVertex", .answers = {answers<contract::Vertex>(200), answers_not_modified()}},
               .handler = tagged([&maps](const Request& request) {
                 const auto vertex = number_in_path<std::uint32_t>(request, "vertex", "no_such_vertex");
                 return json_reply(200, maps.vertex(request.parameter("map"), vertex));
@@ -115,6 +130,7 @@ void add_map_routes(Router& router, const Services& services) {
               .pattern = "/v1/maps/{map}/edges",
               .role = Role::kRead,
               .query = list_query({"min_inliers", "kind", "confirmed"}),
+              .says = {.operation = "listEdges", .answers = {answers_page<contract::Edge>(), answers_not_modified()}},
               .handler = tagged([&maps, cursors](const Request& request) {
                 MapService::EdgeQuery query;
                 query.min_inliers =
@@ -130,11 +146,17 @@ void add_map_routes(Router& router, const Services& services) {
        .pattern = "/v1/maps/{map}/graph",
        .role = Role::kRead,
        .query = {"format"},
+       .says = {.operation = "getGraph",
+                .answers =
+                    {{200,
+                      {json_of<contract::Graph>(), {"application/graphml+xml"}, {"text/vnd.graphviz"}, {"text/csv"}}},
+                     answers_not_modified()}},
        .handler = tagged([&store = services.store](const Request& request) { return stream_graph(store, request); })});
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/pairs/{u}/{v}",
               .role = Role::kRead,
               .query = {"matches"},
+              .says = {.operation = "explainPair", .answers = {answers<contract::Pair>(200)}},
               .handler = [&store = services.store](const Request& request) {
                 const VertexPair pair = pair_in_path(request);
                 return json_reply(200,
@@ -143,6 +165,7 @@ void add_map_routes(Router& router, const Services& services) {
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/quality",
               .role = Role::kRead,
+              .says = {.operation = "getQuality", .answers = {answers<contract::Quality>(200), answers_not_modified()}},
               .handler = tagged([&quality = services.quality](const Request& request) {
                 return json_reply(200, quality.quality(request.parameter("map")));
               })});
@@ -150,6 +173,9 @@ void add_map_routes(Router& router, const Services& services) {
               .pattern = "/v1/maps/{map}/route",
               .role = Role::kRead,
               .query = {"from", "to"},
+              .says = {.operation = "findRoute",
+                       .answers = {answers<contract::Route>(200), answers_not_modified()},
+                       .codes = {"no_such_vertex", "no_route"}},
               .handler = tagged([&store = services.store](const Request& request) {
                 const std::uint32_t from = vertex_in_query(request, "from");
                 const std::uint32_t to = vertex_in_query(request, "to");

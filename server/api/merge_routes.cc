@@ -1,6 +1,7 @@
 #include "client/contract/merge.h"
 #include "server/api/api.h"
 #include "server/api/cursors.h"
+#include "server/api/description/contents.h"
 #include "server/api/replies.h"
 #include "server/events/map_events.h"
 #include "server/services/pair_service.h"
@@ -49,22 +50,29 @@ void add_merge_routes(Router& router, const Services& services) {
   MergeService& merges = services.merges;
   const Cursors cursors(services.store);
   EventHub& events = services.events;
-  router.add({.method = "POST",
-              .pattern = "/v1/merges",
-              .role = Role::kOperate,
-              .body = BodyRule::kRequired,
-              .json_body = true,
-              .handler = services.idempotency.once([&merges, &events](const Request& request, Once& once) {
-                const auto merge =
-                    merges.submit(contract::read_request<contract::SubmitMerge>(contract::parse_json(request.body)),
-                                  request.caller.get(), kept_as(once, submitted));
-                tell_map(events, merge.map, "created");
-                return submitted(merge);
-              })});
+  router.add(
+      {.method = "POST",
+       .pattern = "/v1/merges",
+       .role = Role::kOperate,
+       .body = BodyRule::kRequired,
+       .json_body = true,
+       .says = {.operation = "submitMerge",
+                .takes = {json_of<contract::SubmitMerge>()},
+                .answers = {answers<contract::Merge>(202, {"Location", "Retry-After"})},
+                .codes = {"invalid_name", "no_such_map", "name_taken", "vocabulary_mismatch", "wrong_state",
+                          "duplicate_member", "too_few_members", "unknown_method", "invalid_budget", "quota_exceeded"}},
+       .handler = services.idempotency.once([&merges, &events](const Request& request, Once& once) {
+         const auto merge =
+             merges.submit(contract::read_request<contract::SubmitMerge>(contract::parse_json(request.body)),
+                           request.caller.get(), kept_as(once, submitted));
+         tell_map(events, merge.map, "created");
+         return submitted(merge);
+       })});
   router.add({.method = "GET",
               .pattern = "/v1/merges",
               .role = Role::kRead,
               .query = list_query({"state"}),
+              .says = {.operation = "listMerges", .answers = {answers_page<contract::Merge>()}},
               .handler = [&merges, cursors](const Request& request) {
                 return cursors.reply(request, [&](const PageRequest& page) {
                   return merges.list(request.query.text("state"), page, request.caller.get());
@@ -73,6 +81,7 @@ void add_merge_routes(Router& router, const Services& services) {
   router.add({.method = "GET",
               .pattern = "/v1/merges/{merge}",
               .role = Role::kRead,
+              .says = {.operation = "getMerge", .answers = {answers<contract::Merge>(200, {"Retry-After"})}},
               .handler = [&merges](const Request& request) {
                 return merge_reply(200, merges.get(merge_in_path(merges, request)));
               }});
@@ -80,6 +89,7 @@ void add_merge_routes(Router& router, const Services& services) {
               .pattern = "/v1/merges/{merge}",
               .role = Role::kOperate,
               .body = BodyRule::kOptional,
+              .says = {.operation = "deleteMerge", .answers = {answers_nothing()}, .codes = {"map_in_use"}},
               .handler = [&merges, &events](const Request& request) {
                 const std::int64_t id = merge_in_path(merges, request);
                 const std::string map = merges.get(id).map;
@@ -91,6 +101,7 @@ void add_merge_routes(Router& router, const Services& services) {
               .pattern = "/v1/merges/{merge}/curve",
               .role = Role::kRead,
               .query = list_query(),
+              .says = {.operation = "listCurve", .answers = {answers_page<contract::CurvePoint>()}},
               .handler = [&merges, cursors](const Request& request) {
                 const std::int64_t id = merge_in_path(merges, request);
                 return cursors.reply(request, [&](const PageRequest& page) { return merges.curve(id, page); });
@@ -99,6 +110,7 @@ void add_merge_routes(Router& router, const Services& services) {
               .pattern = "/v1/merges/{merge}/edges",
               .role = Role::kRead,
               .query = list_query(),
+              .says = {.operation = "listMergeEdges", .answers = {answers_page<contract::MergeEdge>()}},
               .handler = [&merges, cursors](const Request& request) {
                 const std::int64_t id = merge_in_path(merges, request);
                 return cursors.reply(request, [&](const PageRequest& page) { return merges.edges(id, page); });
@@ -108,6 +120,9 @@ void add_merge_routes(Router& router, const Services& services) {
               .role = Role::kOperate,
               .body = BodyRule::kOptional,
               .json_body = true,
+              .says = {.operation = "pauseMerge",
+                       .answers = {answers<contract::Merge>(202, {"Retry-After"})},
+                       .codes = {"wrong_state"}},
               .handler = services.idempotency.once([&merges](const Request& request, Once& once) {
                 return commanded(merges.pause(merge_in_path(merges, request), kept_as(once, commanded)));
               })});
@@ -116,6 +131,10 @@ void add_merge_routes(Router& router, const Services& services) {
               .role = Role::kOperate,
               .body = BodyRule::kOptional,
               .json_body = true,
+              .says = {.operation = "resumeMerge",
+                       .takes = {json_of<contract::RunMerge>()},
+                       .answers = {answers<contract::Merge>(202, {"Retry-After"})},
+                       .codes = {"wrong_state", "nothing_to_resume", "invalid_budget", "quota_exceeded"}},
               .handler = services.idempotency.once([&merges](const Request& request, Once& once) {
                 return commanded(merges.resume(merge_in_path(merges, request), run_in(request),
                                                kept_as(once, commanded), request.caller.get()));
@@ -125,6 +144,10 @@ void add_merge_routes(Router& router, const Services& services) {
               .role = Role::kOperate,
               .body = BodyRule::kOptional,
               .json_body = true,
+              .says = {.operation = "restartMerge",
+                       .takes = {json_of<contract::RunMerge>()},
+                       .answers = {answers<contract::Merge>(202, {"Retry-After"})},
+                       .codes = {"map_in_use", "wrong_state", "invalid_budget", "quota_exceeded"}},
               .handler = services.idempotency.once([&merges](const Request& request, Once& once) {
                 return commanded(merges.restart(merge_in_path(merges, request), run_in(request),
                                                 kept_as(once, commanded), request.caller.get()));
@@ -134,6 +157,9 @@ void add_merge_routes(Router& router, const Services& services) {
               .role = Role::kOperate,
               .body = BodyRule::kOptional,
               .json_body = true,
+              .says = {.operation = "cancelMerge",
+                       .answers = {answers<contract::Merge>(202, {"Retry-After"})},
+                       .codes = {"wrong_state"}},
               .handler = services.idempotency.once([&merges](const Request& request, Once& once) {
                 return commanded(merges.cancel(merge_in_path(merges, request), kept_as(once, commanded)));
               })});
@@ -141,6 +167,7 @@ void add_merge_routes(Router& router, const Services& services) {
               .pattern = "/v1/merges/{merge}/pairs/{u}/{v}",
               .role = Role::kRead,
               .query = {"matches"},
+              .says = {.operation = "explainMergePair", .answers = {answers<contract::Pair>(200)}},
               .handler = [&merges, &store = services.store](const Request& request) {
                 const VertexPair pair = pair_in_path(request);
                 return json_reply(

@@ -1,5 +1,6 @@
 #include "client/contract/image.h"
 #include "server/api/api.h"
+#include "server/api/description/contents.h"
 #include "server/api/replies.h"
 #include "server/events/map_events.h"
 
@@ -34,6 +35,9 @@ void add_removal_routes(Router& router, const Services& services) {
               .role = Role::kWrite,
               .body = BodyRule::kOptional,
               .query = {"name", "from", "to"},
+              .says = {.operation = "deleteVertices",
+                       .answers = {answers<contract::Deleted>(200)},
+                       .codes = {"no_such_vertex", "map_in_use", "map_is_merged"}},
               .handler = [&removals, &events](const Request& request) {
                 const std::int64_t deleted = remove_in_query(removals, request);
                 if (deleted > 0) tell_map(events, request.parameter("map"), "images");
@@ -43,6 +47,9 @@ void add_removal_routes(Router& router, const Services& services) {
               .pattern = "/v1/maps/{map}/vertices/{vertex}",
               .role = Role::kWrite,
               .body = BodyRule::kOptional,
+              .says = {.operation = "deleteVertex",
+                       .answers = {answers<contract::Deleted>(200)},
+                       .codes = {"map_in_use", "map_is_merged"}},
               .handler = [&removals, &events](const Request& request) {
                 const std::int64_t deleted = removals.remove(request.parameter("map"), vertex_in_path(request));
                 tell_map(events, request.parameter("map"), "images");
@@ -52,6 +59,7 @@ void add_removal_routes(Router& router, const Services& services) {
               .pattern = "/v1/maps/{map}/vertices/{vertex}/image",
               .role = Role::kWrite,
               .body = BodyRule::kOptional,
+              .says = {.operation = "deleteImage", .answers = {answers_nothing()}, .codes = {"map_is_merged"}},
               .handler = [&removals, &events](const Request& request) {
                 removals.remove_image(request.parameter("map"), vertex_in_path(request));
                 tell_map(events, request.parameter("map"), "images");
@@ -61,6 +69,9 @@ void add_removal_routes(Router& router, const Services& services) {
               .pattern = "/v1/maps/{map}/vertices/{vertex}/restore",
               .role = Role::kWrite,
               .body = BodyRule::kOptional,
+              .says = {.operation = "restoreVertex",
+                       .answers = {answers<contract::Vertex>(200)},
+                       .codes = {"map_in_use", "map_is_merged", "quota_exceeded"}},
               .handler = services.idempotency.once(
                   [&removals, &events, &maps = services.maps](const Request& request, Once& once) {
                     const std::string& map = request.parameter("map");

@@ -8,6 +8,7 @@
 
 #include "server/access/role.h"
 #include "server/http/message.h"
+#include "server/http/route_description.h"
 
 namespace mapweld::server {
 
@@ -27,7 +28,12 @@ struct Route {
   bool json_body = false;               // the body is a JSON document: the smaller limit holds
   std::vector<std::string> query = {};  // the query parameters that it knows
   bool at_once = false;  // the loop's thread calls the handler, which waits for nothing: it needs no other
+  RouteDescription says = {};
   Handler handler = {};
+
+  // What changes something takes an Idempotency-Key when it is a POST (docs/http-api.md, "Asking once").
+  bool changes() const { return method != "GET" && role > Role::kRead; }
+  bool takes_idempotency_key() const { return method == "POST" && changes(); }
 };
 
 // Immutable once the server runs; then any number of threads may match.

@@ -16,10 +16,11 @@ namespace mapweld::test {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
-// Every path of the router is in docs/openapi.json and the other way round, with its method, the role that it asks
-// for and its query parameters.
+// Every path of the router is in openapi.json and the other way round, with its method, the role that it asks for and
+// its query parameters.
 TEST(ApiDescription, OpenapiDescribesWhatThereIs) {
   ApiUnderTest api;
   const contract::Json document = api.get("/v1/openapi.json").json();
@@ -27,12 +28,15 @@ TEST(ApiDescription, OpenapiDescribesWhatThereIs) {
   std::set<std::string> described;
   for (const auto& [path, operations] : document["paths"].items()) {
     for (const auto& [method, operation] : operations.items()) {
-      if (method == "parameters") continue;
       std::string upper = method;
       std::transform(upper.begin(), upper.end(), upper.begin(), ::toupper);
       std::set<std::string> query;
       if (operation.contains("parameters")) {
-        for (const auto& parameter : operation["parameters"]) {
+        for (const auto& listed : operation["parameters"]) {
+          const contract::Json& parameter =
+              listed.contains("$ref")
+                  ? document[contract::Json::json_pointer(listed["$ref"].get<std::string>().substr(1))]
+                  : listed;
           if (parameter["in"] == "query") query.insert(parameter["name"].get<std::string>());
         }
       }
@@ -78,6 +82,20 @@ TEST(ApiDescription, EveryCallHasAnExample) {
     shown.insert(method + " " + match.route->pattern);
   }
   EXPECT_EQ(shown, routed);
+}
+
+// /docs is one file that asks for openapi.json and nothing else, and the browser is told so.
+TEST(ApiDescription, TheDocsPageNeedsNothingFromElsewhere) {
+  ApiUnderTest api;
+  const Answer page = api.get("/docs");
+  EXPECT_EQ(page.status, 200);
+  EXPECT_EQ(page.header("Content-Type"), "text/html; charset=utf-8");
+  EXPECT_FALSE(std::regex_search(page.body, std::regex(R"((src|href)="?(https?:)?//|@import|url\()")));
+  EXPECT_THAT(page.body, HasSubstr("fetch('/v1/openapi.json')"));
+  const std::string policy = page.header("Content-Security-Policy");
+  EXPECT_THAT(policy, StartsWith("default-src 'none'; style-src 'sha256-"));
+  EXPECT_THAT(policy, Not(HasSubstr("unsafe")));
+  EXPECT_THAT(policy, HasSubstr("connect-src 'self'"));
 }
 
 // docs/http-api.md lists every code with its status.

@@ -2,6 +2,11 @@
 
 #include <chrono>
 #include <stdexcept>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "tests/server/support/described_api.h"
 
 namespace mapweld::test {
 namespace {
@@ -50,6 +55,7 @@ ApiUnderTest::ApiUnderTest(const server::HttpOptions& options, const ServicesOpt
                                                .idempotency = idempotency_,
                                                .ready = [this] { return ready; }});
   routes_ = router.routes();
+  description_ = std::make_unique<DescribedApi>(routes_);
   http_ = std::make_unique<server::HttpServer>(any_port, std::move(router), metrics_, gate);
   port_ = http_->bind();
   thread_ = std::thread([this] { http_->serve(); });
@@ -60,6 +66,19 @@ ApiUnderTest::~ApiUnderTest() {
   thread_.join();
 }
 
+Answer ApiUnderTest::described(Exchange exchange, const httplib::Result& result) const {
+  Answer answer = answer_of(result);
+  exchange.status = answer.status;
+  exchange.type = answer.header("Content-Type");
+  exchange.reply = answer.body;
+  for (const auto& [name, value] : answer.headers) exchange.headers.push_back(name);
+  for (const std::string& what : description_->undescribed(exchange)) {
+    ADD_FAILURE() << exchange.method << " " << exchange.path << " -> " << answer.status
+                  << ": the description does not say: " << what;
+  }
+  return answer;
+}
+
 Answer ApiUnderTest::ask(const std::string& method, const std::string& path, const httplib::Headers& headers,
                          const std::string& body) const {
   httplib::Request request;
@@ -67,26 +86,30 @@ Answer ApiUnderTest::ask(const std::string& method, const std::string& path, con
   request.path = path;
   request.headers = headers;
   request.body = body;
-  return answer_of(connect(port_).send(request));
+  return described({.method = method, .path = path, .request = body}, connect(port_).send(request));
 }
 
-Answer ApiUnderTest::get(const std::string& path) const { return answer_of(connect(port_).Get(path)); }
+Answer ApiUnderTest::get(const std::string& path) const {
+  return described({.method = "GET", .path = path}, connect(port_).Get(path));
+}
 
 Answer ApiUnderTest::post(const std::string& path, const std::string& body, const std::string& type) const {
-  return answer_of(connect(port_).Post(path, body, type));
+  return described({.method = "POST", .path = path, .request = body}, connect(port_).Post(path, body, type));
 }
 
 Answer ApiUnderTest::put(const std::string& path, const std::string& body, const std::string& type) const {
-  return answer_of(connect(port_).Put(path, body, type));
+  return described({.method = "PUT", .path = path, .request = body}, connect(port_).Put(path, body, type));
 }
 
-Answer ApiUnderTest::del(const std::string& path) const { return answer_of(connect(port_).Delete(path)); }
+Answer ApiUnderTest::del(const std::string& path) const {
+  return described({.method = "DELETE", .path = path}, connect(port_).Delete(path));
+}
 
 Answer ApiUnderTest::post_batch(const std::string& path,
                                 const std::vector<std::pair<std::string, std::string>>& images) const {
   httplib::MultipartFormDataItems items;
   for (const auto& [name, bytes] : images) items.push_back({"image", bytes, name, "image/jpeg"});
-  return answer_of(connect(port_).Post(path, items));
+  return described({.method = "POST", .path = path}, connect(port_).Post(path, items));
 }
 
 contract::Json ApiUnderTest::finished_merge(std::int64_t id) {

@@ -1,4 +1,5 @@
-// The whole API over loopback, on services whose store a test can reach.
+// The whole API over loopback, on services whose store a test can reach. Whatever is asked and answered that its
+// description (docs/openapi.json) does not say fails the test that asked, by name.
 #pragma once
 
 #include <atomic>
@@ -17,6 +18,9 @@
 #include "tests/server/support/services_under_test.h"
 
 namespace mapweld::test {
+
+class DescribedApi;
+struct Exchange;
 
 struct Answer {
   int status = 0;
@@ -57,11 +61,15 @@ class ApiUnderTest {
   contract::Json finished_merge(std::int64_t id);
 
  private:
+  // The answer, once it is what the description says.
+  Answer described(Exchange exchange, const httplib::Result& result) const;
+
   ServicesUnderTest services_;
   server::IdempotencyKeys idempotency_{services_.store(),
                                        [this] { return server::now() + std::chrono::seconds(later_s); }};
   server::Metrics metrics_;
   std::vector<server::Route> routes_;
+  std::unique_ptr<DescribedApi> description_;
   std::unique_ptr<server::HttpServer> http_;
   int port_ = 0;
   std::thread thread_;
