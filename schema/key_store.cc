@@ -24,10 +24,11 @@ CREATE UNIQUE INDEX IF NOT EXISTS keys_in_force ON keys (name) WHERE revoked_at_
                                   Migration{.version = 2, .name = "keys_2", .sql = R"sql(
 ALTER TABLE keys ADD COLUMN checksum INTEGER NOT NULL DEFAULT 0x7FFFFFFFFFFFFFFF;
 )sql"},
-                                  // A number that is never given again: what a key owns goes by it.
+                                  // A number by which the maps' database knows what a key owns. Drawn, so that a later
+                                  // file of keys, beside the same maps or a copy of them, gives none of it again.
                                   Migration{.version = 3, .name = "keys_3", .sql = R"sql(
 CREATE TABLE numbered (
-  id INTEGER PRIMARY KEY AUTOINCREMENT,
+  id INTEGER PRIMARY KEY CHECK (id > 0),
   name TEXT NOT NULL,
   role TEXT NOT NULL CHECK (role IN ('read', 'write', 'operate', 'admin')),
   maps TEXT NOT NULL,
@@ -39,8 +40,8 @@ CREATE TABLE numbered (
   max_queued_merges INTEGER CHECK (max_queued_merges >= 0),
   checksum INTEGER NOT NULL DEFAULT 0x7FFFFFFFFFFFFFFF
 ) STRICT;
-INSERT INTO numbered (name, role, maps, sha256, created_at_us, revoked_at_us, checksum)
-  SELECT name, role, maps, sha256, created_at_us, revoked_at_us, checksum FROM keys ORDER BY created_at_us, rowid;
+INSERT INTO numbered (id, name, role, maps, sha256, created_at_us, revoked_at_us, checksum)
+  SELECT random() & 0x7FFFFFFFFFFFFFFF, name, role, maps, sha256, created_at_us, revoked_at_us, checksum FROM keys;
 DROP TABLE keys;
 ALTER TABLE numbered RENAME TO keys;
 CREATE UNIQUE INDEX keys_in_force ON keys (name) WHERE revoked_at_us IS NULL;
@@ -107,8 +108,8 @@ bool KeyStore::add(const KeyRow& key) {
   }
   connection_
       ->prepare(
-          "INSERT INTO keys (name, role, maps, sha256, created_at_us, max_images, max_bytes, max_queued_merges) VALUES "
-          "(?, ?, ?, ?, ?, ?, ?, ?)")
+          "INSERT INTO keys (id, name, role, maps, sha256, created_at_us, max_images, max_bytes, max_queued_merges) "
+          "VALUES (random() & 0x7FFFFFFFFFFFFFFF, ?, ?, ?, ?, ?, ?, ?, ?)")
       .bind_all(key.name, key.role, key.maps, std::span<const std::uint8_t>(key.sha256),
                 rows::microseconds(key.created_at), key.quota.images, key.quota.bytes, key.quota.queued_merges)
       .run();
@@ -144,7 +145,7 @@ std::vector<KeyRow> KeyStore::list() {
   sqlite::Statement row = connection_->prepare(
       "SELECT name, role, maps, sha256, created_at_us, revoked_at_us, id, max_images, max_bytes, max_queued_merges "
       "FROM "
-      "keys ORDER BY name, created_at_us");
+      "keys ORDER BY name, created_at_us, revoked_at_us IS NULL");
   std::vector<KeyRow> keys;
   while (row.step()) {
     keys.push_back({.id = row.integer(6),

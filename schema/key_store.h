@@ -32,7 +32,7 @@ struct KeyQuota {
 };
 
 struct KeyRow {
-  std::int64_t id = 0;  // above 0, never given again; add() gives it
+  std::int64_t id = 0;  // above 0, drawn by add(): no other key has it, in whatever file
   std::string name;     // unique among the keys that are not revoked
   std::string role;     // read, write, operate, admin
   std::string maps;     // pattern of map names
@@ -58,6 +58,8 @@ class KeyStore {
   bool revoke(const std::string& name, Timestamp at);
   // Another quota for the key of this name that is in force. False when there is none.
   bool set_quota(const std::string& name, const KeyQuota& quota);
+  // Whether there is a file; else it was opened read-only.
+  bool exists() const { return connection_ != nullptr; }
   // By name, then by time; revoked ones as well.
   std::vector<KeyRow> list();
   // Another number than before when somebody else has changed the keys since.

@@ -154,6 +154,7 @@ void refuse_excess(Connection& file) {
       {"merges", "SELECT count(*) FROM merges", 0},
       {"answers", "SELECT count(*) FROM kept_answers", 0},
       {"owners", "SELECT (SELECT count(*) FROM owned_images) + (SELECT count(*) FROM owned_merges)", 0},
+      {"a camera that is too large", "SELECT coalesce(max(length(camera)), 0) FROM images", 4096},
       {"an image that is too large", "SELECT coalesce(max(length(bytes)), 0) FROM image_bytes", 64 * kMiB},
       {"appearances that are too large", "SELECT coalesce(max(length(bytes)), 0) FROM appearances", 16 * kMiB},
       {"evidence that is too large", "SELECT coalesce(max(length(evidence)), 0) FROM edges", 16 * kMiB},

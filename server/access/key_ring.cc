@@ -16,7 +16,8 @@ constexpr int kBusyTimeoutMs = 0;
 }  // namespace
 
 KeyRing::KeyRing(const std::filesystem::path& data_folder, bool read_only)
-    : store_(read_only ? KeyStore::open_read_only(data_folder, kBusyTimeoutMs)
+    : data_folder_(data_folder),
+      store_(read_only ? KeyStore::open_read_only(data_folder, kBusyTimeoutMs)
                        : KeyStore(data_folder, kBusyTimeoutMs)) {
   const std::lock_guard lock(mutex_);
   refresh();
@@ -24,6 +25,7 @@ KeyRing::KeyRing(const std::filesystem::path& data_folder, bool read_only)
 
 void KeyRing::refresh() {
   try {
+    if (!store_.exists()) store_ = KeyStore::open_read_only(data_folder_, kBusyTimeoutMs);  // made since?
     const std::int64_t version = store_.version();
     if (is_read_ && version == version_) return;
     std::vector<Entry> in_force;

@@ -38,6 +38,7 @@ class KeyRing {
   };
   void refresh();  // with `mutex_` held
 
+  const std::filesystem::path data_folder_;
   std::mutex mutex_;
   KeyStore store_;
   bool is_read_ = false;

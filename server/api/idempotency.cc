@@ -74,6 +74,7 @@ Sha256 hash_of(const Request& request) {
   } else if (request.content_type.starts_with("multipart/")) {
     for (const Part& part :
          parse_multipart(request.body, multipart_boundary(request.content_type), contract::kMaxBatchImages + 1)) {
+      hash.add(part.name);
       hash.add(part.file_name);
       hash.add(part.content);
     }
@@ -208,7 +209,7 @@ void Once::store_later() {
     WriteTransaction db = keys_->store_.write();
     for (const Later& later : later_) keep(db, later.reply, later.map, later.part);
     db.commit();
-  } catch (const StoreError& error) {
+  } catch (const std::exception& error) {
     spdlog::warn("an answer could not be kept: {}", error.what());
   }
 }

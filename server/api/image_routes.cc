@@ -24,12 +24,25 @@ using contract::ContractError;
 constexpr std::int64_t kMinWidthPx = 16;  // of pictures that are made smaller
 constexpr std::int64_t kMaxWidthPx = 4096;
 
+// Bodies that are JSON have the same bound.
+constexpr std::size_t kMaxJsonBytes = 1 << 20;
+
+// JSON beside the body, named `name`.
+contract::Json json_of_text(std::string_view text, const std::string& name) {
+  if (text.size() > kMaxJsonBytes) throw ContractError("invalid_parameter", "\"" + name + "\" is too long.");
+  try {
+    return contract::parse_json(text);
+  } catch (const ContractError& error) {
+    throw ContractError("invalid_parameter", "\"" + name + "\" is no JSON: " + error.detail());
+  }
+}
+
 // A document of JSON in a query parameter.
 template <class Document>
 std::optional<Document> document_in_query(const Request& request, const char* name) {
   const auto text = request.query.text(name);
   if (!text) return std::nullopt;
-  Document document = contract::read_request<Document>(contract::parse_json(*text));
+  Document document = contract::read_request<Document>(json_of_text(*text, name));
   contract::check(document, name);
   return document;
 }
@@ -84,8 +97,10 @@ Reply upload(ImageService& images, const Request& request, Once& once) {
 
 // What a batch says of its images beside their bytes: of each in order; of none when it says nothing.
 std::vector<contract::ImageMetadata> metadata_of(const Part& part) {
-  const contract::Json json = contract::parse_json(part.content);
-  if (!json.is_array()) throw ContractError("invalid_parameter", "\"metadata\" must be an array.");
+  const contract::Json json = json_of_text(part.content, "metadata");
+  if (!json.is_array() || json.size() > contract::kMaxBatchImages) {
+    throw ContractError("invalid_parameter", "\"metadata\" must be an array, with one entry an image.");
+  }
   std::vector<contract::ImageMetadata> all;
   for (std::size_t i = 0; i < json.size(); ++i) {
     all.push_back(json[i].is_null() ? contract::ImageMetadata{}
@@ -199,19 +214,18 @@ void add_image_routes(Router& router, const Services& services) {
               .handler = services.idempotency.once([&images = services.images](const Request& request, Once& once) {
                 return upload(images, request, once);
               })});
-  router.add(
-      {.method = "POST",
-       .pattern = "/v1/maps/{map}/images/batch",
-       .role = Role::kWrite,
-       .body = BodyRule::kRequired,
-       .query = {"sequence", "camera", "map_uuid"},
-       .says = {.operation = "uploadImages",
-                .takes = {{"multipart/form-data"}},
-                .answers = {answers<contract::Batch>(200)},
-                .codes = {"malformed_json", "malformed_multipart", "wrong_map", "map_is_merged", "too_many_images"}},
-       .handler = services.idempotency.by_part([&images = services.images](const Request& request, Once& once) {
-         return upload_batch(images, request, once);
-       })});
+  router.add({.method = "POST",
+              .pattern = "/v1/maps/{map}/images/batch",
+              .role = Role::kWrite,
+              .body = BodyRule::kRequired,
+              .query = {"sequence", "camera", "map_uuid"},
+              .says = {.operation = "uploadImages",
+                       .takes = {{"multipart/form-data"}},
+                       .answers = {answers<contract::Batch>(200)},
+                       .codes = {"malformed_multipart", "wrong_map", "map_is_merged", "too_many_images"}},
+              .handler = services.idempotency.by_part([&images = services.images](const Request& request, Once& once) {
+                return upload_batch(images, request, once);
+              })});
   router.add({.method = "GET",
               .pattern = "/v1/maps/{map}/vertices/{vertex}/image",
               .role = Role::kRead,

@@ -88,7 +88,7 @@ void add_map_routes(Router& router, const Services& services) {
               .says = {.operation = "changeMap",
                        .takes = {json_of<contract::ChangeMap>()},
                        .answers = {answers<contract::Map>(200)},
-                       .codes = {"invalid_name", "name_taken", "immutable_parameter"}},
+                       .codes = {"invalid_name", "name_taken", "map_is_merged", "immutable_parameter"}},
               .handler = [&maps, &events](const Request& request) {
                 const auto map =
                     maps.change(request.parameter("map"),

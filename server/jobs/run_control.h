@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <mutex>
 #include <optional>
@@ -91,7 +92,15 @@ class RunControl {
       const std::lock_guard lock(mutex_);
       at_end = at_end_;
     }
-    for (const AtEnd& tell : at_end) tell(db);
+    for (const AtEnd& tell : at_end) {
+      try {
+        tell(db);
+      } catch (const StoreError&) {
+        throw;
+      } catch (const std::exception&) {
+        // The run ends all the same; who commanded sees that nothing was written down.
+      }
+    }
   }
   std::uint64_t epoch() const { return epoch_; }
 

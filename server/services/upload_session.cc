@@ -149,8 +149,8 @@ std::optional<UploadOutcome> UploadSession::find_repeated(const Reader& db, cons
 }
 
 std::exception_ptr UploadSession::store(std::vector<Pending>& group) {
+  const auto quota_turn = context_.quota_turns.take(caller_);  // first: who waits for it holds up no map
   const auto turn = context_.cache.writer_turn(map_.id);
-  const auto quota_turn = context_.quota_turns.take(caller_);
   try {
     open_map();  // as it is now: the cache forgets a map of which images are deleted
     decide_all(group);

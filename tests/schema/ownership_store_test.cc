@@ -1,6 +1,7 @@
 #include "schema/ownership_store.h"
 
 #include <gtest/gtest.h>
+#include <openssl/sha.h>
 
 #include "schema/maps/map_store.h"
 #include "schema/maps/purge.h"
@@ -29,6 +30,7 @@ class Ownership : public ::testing::Test {
     write([&](WriteTransaction& db) {
       NewImage image = test::new_image(name, appearances);
       image.bytes = content;
+      SHA256(content.data(), content.size(), image.sha256.data());
       image.owner = owner;
       vertex = insert_vertex(db, map, vocabulary_, image, appearances, {}, test::test_verifier(db));
     });

@@ -37,7 +37,7 @@ TEST_F(StoreCheckTest, AWholeStoreHasNoFindingsAndIsCounted) {
   EXPECT_EQ(report.segments, 2U);
   EXPECT_EQ(report.edges, 40U);
   EXPECT_EQ(report.checkpoints, 4U);
-  EXPECT_EQ(parts.size(), 9U);
+  EXPECT_EQ(parts.size(), 10U);
 }
 
 TEST_F(StoreCheckTest, EveryKindOfDamageIsFoundWhereItIs) {

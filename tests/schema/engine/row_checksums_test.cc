@@ -271,8 +271,15 @@ TEST_F(RowChecksumsTest, KeysBearThemToo) {
   EXPECT_FALSE(fs::exists(keys)) << "looking makes no file";
   {
     KeyStore store(folder_.path());
-    store.add({.name = "a", .role = "read", .maps = "*", .sha256 = {1}, .created_at = test::at(1), .revoked_at = {}});
-    store.add({.name = "b", .role = "admin", .maps = "*", .sha256 = {2}, .created_at = test::at(2), .revoked_at = {}});
+    KeyRow key;
+    for (const auto& [name, role] : {std::pair{"a", "read"}, std::pair{"b", "admin"}}) {
+      key.name = name;
+      key.role = role;
+      key.maps = "*";
+      ++key.sha256[0];
+      key.created_at = test::at(key.sha256[0]);
+      store.add(key);
+    }
     store.revoke("a", test::at(3));
     EXPECT_TRUE(findings().empty());
   }

@@ -176,7 +176,13 @@ TEST_F(OpenApi, RangesOfRequestsAreThoseOfTheirChecks) {
     return check.fields(document()["components"]["schemas"][name], json::json_pointer());
   };
   EXPECT_GT(check_ranges("CreateMap", {{"name", "a"}}, is_taken<contract::CreateMap>), 15);
-  EXPECT_GT(check_ranges("ChangeMap", json::object(), is_taken<contract::ChangeMap>), 10);
+  const json camera = {{"model", "pinhole"}, {"fx_px", 500}, {"fy_px", 500}, {"cx_px", 320}, {"cy_px", 240}};
+  const auto with_distortion = [](json request) {  // of as many numbers as the model has
+    json& own = request["camera"];
+    own["distortion"] = own["model"] == "pinhole" ? json::array() : json::array({0, 0, 0, 0});
+    return is_taken<contract::ChangeMap>(request);
+  };
+  EXPECT_GT(check_ranges("ChangeMap", {{"camera", camera}}, with_distortion), 18);
   EXPECT_GT(check_ranges("SubmitMerge", {{"maps", {"a", "b"}}}, is_taken<contract::SubmitMerge>), 15);
   EXPECT_GT(check_ranges("RunMerge", json::object(), is_taken<contract::RunMerge>), 4);
 }

@@ -68,8 +68,11 @@ TEST(CheckCommand, NamesWhatIsDamaged) {
 TEST(CheckCommand, LooksAtTheKeysToo) {
   TempStore store;
   const std::filesystem::path data = store.folder() / "data";
-  KeyStore(data).add(
-      {.name = "robot", .role = "read", .maps = "*", .sha256 = {}, .created_at = at(1), .revoked_at = {}});
+  KeyRow key;
+  key.name = "robot";
+  key.role = "read";
+  key.maps = "*";
+  KeyStore(data).add(key);
   EXPECT_EQ(check(data.string()).exit_code, 0);
   sqlite::Connection(data / "keys.db", sqlite::OpenMode::kReadWrite).execute("UPDATE keys SET role = 'admin'");
   const Ran run = check(data.string());
