@@ -96,8 +96,12 @@ TEST(BackupCommand, WhatIsNoBackupIsRefusedAndWhatIsDamagedIsTold) {
   const std::string file = (out.path() / "copy").string();
   ASSERT_EQ(run("backup --data " + (store.folder() / "data").string() + " " + file).exit_code, 0);
   std::fstream damage(file, std::ios::in | std::ios::out | std::ios::binary);
-  damage.seekp(static_cast<std::streamoff>(fs::file_size(file) * 3 / 4));
-  damage << std::string(64, '\x5A');
+  // The end of pages, where rows are whatever else is empty.
+  const auto pages = static_cast<std::streamoff>(fs::file_size(file) / 4096);
+  for (std::streamoff page = pages / 2; page < pages; page += 7) {
+    damage.seekp(page * 4096 + 4096 - 64);
+    damage << std::string(64, '\x5A');
+  }
   damage.close();
   EXPECT_EQ(run("restore --data " + (out.path() / "b").string() + " " + file).exit_code, 1);
 }

@@ -17,6 +17,7 @@
 namespace mapweld::test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 Ran check(const std::string& data, const std::string& flags = {}) {
@@ -77,7 +78,7 @@ TEST(CheckCommand, LooksAtTheKeysToo) {
   sqlite::Connection(data / "keys.db", sqlite::OpenMode::kReadWrite).execute("UPDATE keys SET role = 'admin'");
   const Ran run = check(data.string());
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_THAT(run.output, HasSubstr("keys: rowid 1: its checksum does not match"));
+  EXPECT_THAT(run.output, AllOf(HasSubstr("keys: "), HasSubstr("its checksum does not match")));
 }
 
 TEST(CheckCommand, NamesAMergeThatCannotGoOnAndWhatHelps) {
