@@ -27,7 +27,8 @@ struct DataFolderOptions {
   // kServe: takes the lock, creates what is missing, brings an older schema up to date.
   // kInspect: changes nothing, reads only, also beside a running server; keeps a server from starting when none runs.
   // Of a folder that may not be written it makes kServeReadOnly.
-  // kServeReadOnly: changes nothing, not even what stands beside the database; a folder that may not be written will
+  // kServeReadOnly: changes nothing, not even what stands beside the database (but for SQLite's index of a WAL that has
+  // content); a folder that may not be written will
   // do, and any number of processes have it so. No server that writes may have it: what is read stays as it is.
   enum class Access : std::uint8_t { kServe, kInspect, kServeReadOnly } access = Access::kServe;
   StoreOptions store{.reserve_bytes = std::uint64_t{16} << 20};
