@@ -49,7 +49,8 @@ class Posts:
     unanswered = None
 
     def post(self, server, path, body, content_type, take):
-        """`take(status, reply)` hears the answer, now or after `again`, and returns what this does."""
+        """`take(server, status, reply)` hears the answer of whichever server, now or after `again`, and returns what this
+        does."""
         self.unanswered = (path, body, content_type, uuid.uuid4().hex, take)
         return self.again(server)
 
@@ -59,7 +60,7 @@ class Posts:
         path, body, content_type, key, take = self.unanswered
         status, reply = server.request("POST", path, body, content_type, key)
         self.unanswered = None
-        return take(status, reply)
+        return take(server, status, reply)
 
 
 class MapLedger(Posts):
@@ -91,7 +92,7 @@ class MapLedger(Posts):
         self.uuid = str(uuid.uuid4())
         self.exists = UNKNOWN
 
-        def take(status, reply):
+        def take(_, status, reply):
             self.exists = status == 201
             if status == 409:
                 self.say("is made twice")
@@ -108,7 +109,7 @@ class MapLedger(Posts):
 
     def upload(self, server, name, content):
         """Without a name, nothing but its key keeps an image from being there twice."""
-        def take(status, reply):
+        def take(_, status, reply):
             if status in (200, 201):
                 self.answered(name, content, reply)
             return status, reply
@@ -118,7 +119,7 @@ class MapLedger(Posts):
 
     def upload_batch(self, server, parts):
         """`parts`: (name or None, bytes) each. The status of each part, or the one of all of them."""
-        def take(status, reply):
+        def take(_, status, reply):
             if status != 200:
                 return [status]
             for (name, content), item in zip(parts, reply["items"], strict=True):

@@ -42,7 +42,7 @@ class MergeLedger(Posts):
         if budget:
             request["budget"] = budget
 
-        def take(status, reply):
+        def take(_, status, reply):
             self.exists = status == 202
             if status == 202:
                 self.id = reply["id"]
@@ -62,7 +62,7 @@ class MergeLedger(Posts):
             edges = self.edges
             self.edges = []
 
-        def take(status, reply):
+        def take(answering, status, reply):
             if what == "restart":
                 self.perhaps_restarted = False
                 if status == 202:
@@ -76,7 +76,7 @@ class MergeLedger(Posts):
             else:
                 self.rest = before
                 if before is None and what in REST_AFTER:
-                    self.expect_other(server, REST_AFTER[what], reply)
+                    self.expect_other(answering, REST_AFTER[what], reply)
             return status, reply
 
         return self.post(server, f"{self.path}/{what}", None, None, take)
