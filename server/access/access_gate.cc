@@ -117,8 +117,7 @@ void AccessGate::check_origin(const RequestHead& head) const {
 }
 
 void AccessGate::check_purpose(const RequestHead& head) const {
-  if (!options_.read_only || head.route == nullptr || only_looks(head.method) || head.route->role <= Role::kRead)
-    return;
+  if (!options_.read_only || head.route == nullptr || !head.route->changes()) return;
   throw ContractError("read_only",
                       "This server changes nothing: it was started with --read-only. Ask the server that writes.");
 }

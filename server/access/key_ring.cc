@@ -45,6 +45,7 @@ void KeyRing::refresh() {
     has_trouble_ = false;
   } catch (const StoreError& error) {
     if (!is_read_) throw;
+    if (!store_.exists()) has_keys_ = true;  // keys were made since, and nobody can say yet which
     if (error.kind() == StoreErrorKind::kBusy || std::exchange(has_trouble_, true)) return;
     spdlog::error("the keys cannot be read, those of before stay in force: {}", error.what());
   }

@@ -1,5 +1,7 @@
 #include "server/access/key_ring.h"
 
+#include <filesystem>
+#include <fstream>
 #include <set>
 #include <string>
 
@@ -68,6 +70,22 @@ TEST(KeyRing, TakingBackTheLastKeyDoesNotOpenTheDoor) {
   keys.revoke("robot");
   KeyRing ring(keys.folder());
   EXPECT_TRUE(ring.find("").has_keys);
+}
+
+TEST(KeyRing, ReadOnlyItSeesKeysThatAreMadeLater) {
+  const mapweld::test::TempFolder folder;
+  const std::filesystem::path file = folder.path() / "keys.db";
+  KeyRing ring(folder.path(), true);
+  EXPECT_FALSE(ring.find("").has_keys);
+  EXPECT_FALSE(std::filesystem::exists(file));
+  std::ofstream(file) << "no keys that could be read";
+  EXPECT_TRUE(ring.find("").has_keys) << "the door is not open while nobody can say whose keys there are";
+  std::filesystem::remove(file);
+  KeysUnderTest keys;
+  const std::string robot = keys.make("robot", "read");
+  std::filesystem::copy_file(keys.folder() / "keys.db", file);
+  ASSERT_NE(ring.find(robot).caller, nullptr);
+  EXPECT_EQ(ring.find(robot).caller->name, "robot");
 }
 
 TEST(KeyRing, KeysStayInForceWhileTheyAreBeingChanged) {
